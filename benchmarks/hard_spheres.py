@@ -47,7 +47,7 @@ class Ours:
     """A run that continues from one repetition to the next."""
 
     def __init__(self, system: hl.ParticleSystem, rule: str = "constant", restitution: float = 1.0) -> None:
-        law = ("viscoelastic", 0, [1e7, 0.3, 1e-5]) if rule in ("law", "soft") else None
+        law = ("viscoelastic", 0, [1e7, 0.3, 1e-5], None) if rule in ("law", "soft") else None
         if law:
             restitution = math.nan
         duration = 1e-4 if rule == "tc" else math.nan

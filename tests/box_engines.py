@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import ArrayLike
 
 import conftest
@@ -16,6 +17,7 @@ from hardlimit import _core
 from hardlimit.boxes import contacts
 from hardlimit.boxes.contacts import law_arguments
 from hardlimit.boxes.falling_frame import engine_arguments
+from hardlimit.boxes.lammps import program
 from hardlimit.boxes.theory import Gas
 
 #: Independent solutions of small boxes, by kind.
@@ -198,3 +200,15 @@ def grow_packing(
 def logged(engine: _core.Engine) -> tuple[Any, ...]:
     """The columns of the contact log."""
     return tuple(engine.take_log().values())
+
+
+def _why_no_lammps() -> str:
+    try:
+        program.find(1)
+    except ImportError as error:
+        return str(error)
+    return ""
+
+
+WITHOUT_LAMMPS = _why_no_lammps()
+needs_lammps = pytest.mark.skipif(bool(WITHOUT_LAMMPS), reason=WITHOUT_LAMMPS)

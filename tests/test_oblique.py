@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from conftest import DATA, draws, log_floats, refusal
+from hardlimit import oblique
 
 PATH = DATA / "oblique_rotation.csv"
 ROWS = list(csv.DictReader(PATH.read_text(encoding="utf-8").splitlines()))
@@ -191,3 +192,64 @@ TWO_LAWS = [hl.LinearDashpot(stiffness=k, restitution=0.9) for k in (1e6, 2e6)]
 )
 def test_bad_drops_are_refused(column: object, offset: float, message: str) -> None:
     assert refusal(lambda: hl.oblique_drop(column, offset)).startswith(message)
+
+
+# --- with friction and spin ---------------------------------------------------------------------------------
+
+ROUGH = hl.Friction(0.3, stiffness_ratio=0.8)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_mirrored_drop_with_friction(seed: int) -> None:
+    column, random = columns(seed), np.random.default_rng(seed)
+    offset = random.uniform(0.02, 0.3) * column.balls[1].radius
+    lower, upper = random.uniform(-30.0, 30.0, 2)
+    drop = hl.oblique_drop(column, offset, friction=ROUGH, spins=(lower, upper))
+    mirrored = hl.oblique_drop(column, -offset, friction=ROUGH, spins=(-lower, -upper))
+    scale = column.impact_speed + max(abs(lower), abs(upper)) * column.balls[0].radius
+    np.testing.assert_allclose(mirrored.velocities * [-1.0, 1.0], drop.velocities, atol=1e-7 * scale)
+    radius = np.array([ball.radius for ball in column.balls])
+    np.testing.assert_allclose(
+        -mirrored.angular_velocities * radius, drop.angular_velocities * radius, atol=1e-7 * scale
+    )
+
+
+def test_without_friction_spins_do_not_matter() -> None:
+    column = hl.Column.paper(gap=0.01)
+    smooth, spinning = hl.oblique_drop(column, 1e-3), hl.oblique_drop(column, 1e-3, spins=(30.0, -20.0))
+    assert (spinning.velocities == smooth.velocities).all()
+    assert spinning.angular_velocities.tolist() == [30.0, -20.0]
+    null = hl.oblique_drop(column, 1e-3, friction=hl.Friction(0.0))
+    assert (null.velocities == smooth.velocities).all()
+
+
+def test_a_spinning_ball_drives_sideways() -> None:
+    """The upper ball slides throughout on the lower one: friction is μ times the normal impulse, so that both get the
+    same momentum and the same spin momentum over the radius, and the floor is left before they meet."""
+    column, mu = hl.Column.paper(gap=0.05), 0.01
+    drop = hl.oblique_drop(column, 0.0, friction=hl.Friction(mu), spins=(0.0, 2000.0))
+    lower, upper = column.balls
+    normal = -upper.mass * (float(drop.straight.final_velocities[1]) + column.impact_speed)
+    assert drop.velocities[1, 0] == pytest.approx(mu * normal / upper.mass, rel=0.02)
+    assert drop.velocities[0, 0] == pytest.approx(-drop.velocities[1, 0] * upper.mass / lower.mass, rel=1e-9)
+    inertia = [ball.inertia_factor * ball.mass * ball.radius for ball in column.balls]
+    turned = (drop.angular_velocities - [0.0, 2000.0]) * inertia
+    assert turned[0] == pytest.approx(turned[1], rel=1e-3)
+    assert turned[1] == pytest.approx(drop.velocities[1, 0] * upper.mass, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_steps_converge_to_a_drop_with_friction(seed: int) -> None:
+    column = columns(seed)
+    offset, spins = 0.2 * column.balls[1].radius, (0.0, 20.0)
+    drop = hl.oblique_drop(column, offset, friction=ROUGH, spins=spins)
+    start = oblique._start(column, offset, np.array(spins))
+    law = column.laws[0].replace(friction=ROUGH)
+    errors = []
+    for accepted in (1e-3, 1e-5):
+        run = hl.molecular_dynamics(
+            start, law=law, until=drop.run.time, engine="steps", restitution_error=accepted, samples=1
+        )
+        errors.append(np.abs(run.system.velocities - drop.velocities).max() / column.impact_speed)
+    assert errors[1] < 1e-4 and errors[1] < 0.1 * errors[0]

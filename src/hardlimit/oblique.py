@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
@@ -16,6 +17,8 @@ from .boxes.system import ParticleSystem
 from .column.result import Result
 from .column.scenario import Column
 from .column.solvers import newton
+from .contact.contact import Law
+from .contact.friction import Friction
 from .support import validation
 
 Floats = NDArray[np.float64]
@@ -33,20 +36,21 @@ LARGEST_OFFSET: Final = 0.99
 
 @dataclass(frozen=True, eq=False)
 class ObliqueDrop:
-    """Result of a drop of two smooth balls with a horizontal offset; made by :func:`hardlimit.oblique_drop`.
+    """Result of a drop of two balls with a horizontal offset; made by :func:`hardlimit.oblique_drop`.
 
     Velocities [m/s] are those after the last contact of the sequence. Horizontal velocities are positive in the
     direction from the lower to the upper ball.
 
     Notes
     -----
-    Newton's equations (Eq. 14 of the paper) in the plane; each force acts along the line of centres.
+    Newton's equations (Eq. 14 of the paper) in the plane; each normal force acts along the line of centres.
 
     """
 
     column: Column  #: the same drop without offset
     offset: float  #: horizontal distance of the centres at the first floor contact [m]
     run: ContactResult  #: simulation in the plane, from the first floor contact to the separation
+    friction: Friction | None = None  #: between the balls and with the floor; None: smooth
 
     @property
     def tilt(self) -> float:
@@ -59,8 +63,14 @@ class ObliqueDrop:
         return self.run.system.velocities
 
     @property
+    def angular_velocities(self) -> Floats:
+        """Spins (2,) [rad/s] of the lower and the upper ball in the plane, positive from horizontal to vertical."""
+        spins = self.run.system.angular_velocities
+        return np.zeros(2) if spins is None else spins
+
+    @property
     def sideways_velocity(self) -> float:
-        """Horizontal velocity [m/s] of the upper ball; that of the lower one is −m2/m1 times this."""
+        """Horizontal velocity [m/s] of the upper ball; without friction, that of the lower one is −m2/m1 times this."""
         return float(self.velocities[1, 0])
 
     @property
@@ -85,7 +95,7 @@ class ObliqueDrop:
 
     @property
     def estimate(self) -> float:
-        """Horizontal velocity of the upper ball [m/s] to leading order: tilt × (v2 + V).
+        """Horizontal velocity of the upper ball [m/s] without friction to leading order: tilt × (v2 + V).
 
         The impulse on the upper ball acts along the line of centres and changes its velocity from −V to v2, as without
         offset. The rotation of that line during the contact, by about V t_c/(R1 + R2) of the tilt, is neglected.
@@ -100,7 +110,13 @@ class ObliqueDrop:
         )
 
 
-def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
+def oblique_drop(
+    column: Column,
+    offset: float,
+    *,
+    friction: Friction | None = None,
+    spins: Sequence[float] = (0.0, 0.0),
+) -> ObliqueDrop:
     """Drop two balls with a horizontal offset of their centres, under Newton's equations in the plane.
 
     Parameters
@@ -110,6 +126,11 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
         first floor contact, along the line of centres.
     offset : float [m]
         Horizontal distance of the centres, less than the sum of the radii.
+    friction : Friction, optional
+        Friction of the balls with each other and with the floor, beside the law of the column.
+    spins : two numbers [rad/s]
+        Angular velocities of the lower and the upper ball before the drop, in the plane, positive from horizontal to
+        vertical. They matter with friction only.
 
     Raises
     ------
@@ -120,15 +141,19 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
 
     Notes
     -----
-    Balls and floor are smooth: there is no friction and no rotation, and a column refuses a law with friction. One
-    contact with friction is :func:`oblique_impact`. ``molecular_dynamics(engine="events")`` solves
-    Newton's equations (Eq. 14 of the paper) in the plane, to 1e-9.
+    ``molecular_dynamics(engine="events")`` solves Newton's equations (Eq. 14 of the paper) in the plane, to 1e-9. One
+    contact with friction in space is :func:`oblique_impact`.
 
     Examples
     --------
     >>> drop = hl.oblique_drop(hl.Column.paper(gap=0.01), offset=1e-4)
     >>> f"{drop.sideways_velocity * 1e3:.2f} mm/s, estimate {drop.estimate * 1e3:.2f}"
     '8.24 mm/s, estimate 8.21'
+    >>> rough = hl.oblique_drop(
+    ...     hl.Column.paper(gap=0.01), offset=1e-4, friction=hl.Friction(0.3)
+    ... )
+    >>> f"{rough.sideways_velocity * 1e3:.2f} mm/s, {rough.angular_velocities[1]:.3f} rad/s"
+    '5.50 mm/s, -0.683 rad/s'
     """
     if not isinstance(column, Column) or not column.floor or len(column.balls) != 2:
         raise ValueError(
@@ -140,10 +165,12 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
         raise ValueError("column: got two velocities, must have one velocity for both balls")
     limit = LARGEST_OFFSET * sum(ball.radius for ball in column.balls)
     aside = validation.number("offset", offset, -limit, limit, lowest_allowed=True, highest_allowed=True)
-    return ObliqueDrop(column, aside, _until_separated(column, _start(column, aside)))
+    turning = np.array(validation.numbers("spins", spins, 2))
+    law = column.laws[0] if friction is None else column.laws[0].replace(friction=friction)
+    return ObliqueDrop(column, aside, _until_separated(column, law, _start(column, aside, turning)), friction)
 
 
-def _start(column: Column, offset: float) -> ParticleSystem:
+def _start(column: Column, offset: float, spins: Floats) -> ParticleSystem:
     """Both balls at the first floor contact, in a box whose side walls they do not reach."""
     lower, upper = column.balls
     distance = lower.radius + column.gaps[0] + upper.radius  # of the centres
@@ -157,16 +184,16 @@ def _start(column: Column, offset: float) -> ParticleSystem:
         box=[edge, edge],
         boundary="wall",
         gravity=column.gravity,
+        angular_velocities=spins,
+        inertia_factor=[ball.inertia_factor for ball in column.balls],
     )
 
 
-def _until_separated(column: Column, system: ParticleSystem) -> ContactResult:
+def _until_separated(column: Column, law: Law, system: ParticleSystem) -> ContactResult:
     """Simulate to the first instant at which the balls have met, no contact is open and the gap grows."""
 
     def simulate(until: float) -> ContactResult:
-        return molecular_dynamics(
-            system, law=column.laws[0], until=until, engine="events", samples=1, log=True
-        )
+        return molecular_dynamics(system, law=law, until=until, engine="events", samples=1, log=True)
 
     until = FIRST_RUN * _sequence(column)
     for _ in range(MAX_DOUBLINGS):

@@ -69,8 +69,8 @@ def law_with(law: tuple[float, ...], friction: dict[str, Any]) -> hl.Law:
     law_class, names = LAWS[int(kind)]
     parameters: dict[str, Any] = dict(zip(names, values, strict=True))
     if friction:
-        given = {key: value for key, value in friction.items() if value or key != "damping"}
-        parameters["friction"] = hl.Friction(**given)
+        numbers = {key: value for key, value in friction.items() if value or key != "damping"}
+        parameters["friction"] = hl.Friction(**numbers)
     return law_class(**parameters)
 
 

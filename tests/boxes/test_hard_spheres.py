@@ -185,7 +185,7 @@ def test_saved_runs_and_pieces_of_time_give_the_same_bits() -> None:
     radius = rng.uniform(0.2, 0.5, 50)
     position = grow_packing(radius, [5.0] * 3, [True, False, True], 2)
     velocity = rng.standard_normal((50, 3))
-    law = ("viscoelastic", 0, [1e4, 0.3, 1e-3])
+    law = ("viscoelastic", 0, [1e4, 0.3, 1e-3], None)
     for options in (
         {"restitution": 0.95},
         {"rule": "tc", "restitution": 0.6, "contact_duration": 0.01},
@@ -356,10 +356,15 @@ def test_no_overlap_among_two_very_unequal_sizes(dimension: int, periodic: bool)
 
 
 @pytest.mark.parametrize(
-    "law", [("viscoelastic", 0, [1e6, 0.3, 1e-4]), ("tsuji", 0, [1e5, 0.7]), ("linear", 0, [1e4, 0.6])]
+    "law",
+    [
+        ("viscoelastic", 0, [1e6, 0.3, 1e-4], None),
+        ("tsuji", 0, [1e5, 0.7], None),
+        ("linear", 0, [1e4, 0.6], None),
+    ],
 )
 def test_restitution_follows_the_law(law: tuple) -> None:
-    contact = _core.make_contact(*law, 0.5, 0.25)
+    contact = _core.make_contact(*law[:3], 0.5, 0.25)
     speeds = np.geomspace(1e-6, 1e3, 60)
     speeds = speeds[contact.compression(speeds) < 0.2]  # within the range of the law
     assert len(speeds) > 40
@@ -437,7 +442,7 @@ GOOD = {"position": [[1.0, 1.0], [3.0, 1.0]], "velocity": [[1.0, 0.0], [0.0, 0.0
         ({"box": [0.9, 5.0], "position": [[0.5, 1.0], [0.5, 3.0]]}, "system: got values of particle 0"),
         ({"rule": "law"}, "law: got None"),
         ({"rule": "bounce"}, "rule: got bounce"),
-        ({"rule": "law", "law": ("rubber", 0, [1.0])}, "law: got rubber"),
+        ({"rule": "law", "law": ("rubber", 0, [1.0], None)}, "law: got rubber"),
     ],
 )
 def test_bad_systems_are_refused_in_one_line(change: dict, message: str) -> None:

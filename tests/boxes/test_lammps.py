@@ -15,19 +15,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from box_engines import core_contact
-from conftest import draws, lattice, law_of, laws, log_floats
+from box_engines import core_contact, needs_lammps
+from conftest import draws, lattice, law_of, laws, log_floats, slow
 from hardlimit import _core
 from hardlimit.boxes import contacts, time_step
 from hardlimit.boxes.lammps import contact_log, forces, integration_error, output, overlaps, process, program
+from hardlimit.contact.friction import FrictionTerms
+from hardlimit.contact.impact import tangential_restitution
 from same_samples import same_samples
-
-try:
-    program.find(2)
-    MISSING = ""
-except ImportError as error:
-    MISSING = str(error)
-needs_lammps = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 
 BEADS = {"radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
 SOFT = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
@@ -96,7 +91,7 @@ def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
     for part in np.array_split(np.arange(n + 1), cuts):
         at = steps[np.isin(steps, part)]
         none = np.zeros(len(at), np.int64)
-        finder.add(overlaps.Overlaps(at, none, none + 1, depth[at], none > 0), int(part[-1]))
+        finder.add(overlaps.Overlaps(at, none, none + 1, depth[at], none > 0, 0.0 * none), int(part[-1]))
         if part[-1] < n:
             finder._search(int(part[-1]) - 1)
     log = contact_log.contacts(finder.begins, finder.ends)
@@ -199,6 +194,102 @@ def test_what_it_cannot_do_is_said_before_anything_runs(words, monkeypatch):
     with pytest.raises(ValueError, match=r"\A[^\n]*\Z") as refused:
         by_lammps(MANY, **{"law": SOFT, "until": 1e-3} | REFUSED[words])
     assert str(refused.value).startswith(words)
+
+
+ROUGH = {
+    "coefficient: got inf, must be finite": {"coefficient": math.inf},
+    "limit: got 'spring', must be 'total'": {"limit": "spring"},
+    "damping: got 0.1 kg/s, must be damping_ratio": {"damping": 0.1},
+}
+
+
+def rough(law: hl.Law, **friction: object) -> hl.Law:
+    return law.replace(friction=hl.Friction(**{"coefficient": 0.5, **friction}))
+
+
+@pytest.mark.parametrize("words", ROUGH)
+def test_friction_that_it_does_not_have_is_refused(words, tmp_path):
+    elastic = hl.LinearDashpot(stiffness=1e4, restitution=1.0)
+    for run in (
+        by_lammps,
+        lambda system, law, until: hl.lammps_input(system, tmp_path, law=law, until=until),
+    ):
+        with pytest.raises(ValueError, match=rf"\A{words} for engine 'lammps'[^\n]*\Z"):
+            run(MANY, rough(elastic, **ROUGH[words]), 1e-3)
+    if "damping" in words:  # the law has another power of the compression
+        with pytest.raises(ValueError, match=rf"\A{words} for engine 'lammps'[^\n]*\Z"):
+            by_lammps(MANY, rough(hl.Viscoelastic(**MATERIAL, dissipative_time=1e-5), **ROUGH[words]), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "factor", "words"),
+    [
+        (3, 0.5, "got 0.5, must be 0.4 in 3 dimensions"),
+        (2, 0.6, "got 0.6, must be 0.4 or 0.5 for all particles in 2 dimensions"),
+        (2, [0.4, 0.5] * 20, "got 0.5, must be 0.4 or 0.5 for all particles in 2 dimensions"),
+    ],
+)
+def test_moments_of_inertia_that_it_does_not_have_are_refused(dimension, factor, words):
+    system = mixed(1, dimension, "periodic", 0.0).replace(inertia_factor=factor)
+    with pytest.raises(ValueError, match=rf"\Ainertia_factor: {words} for engine 'lammps'\Z"):
+        by_lammps(system, rough(SOFT), 1e-3)
+
+
+def test_walls_past_which_all_grains_fall_are_refused():
+    system = mixed(1, 3, ("wall", "periodic", "wall"), 9.81).replace(gravity=[0.0, 1.0, -9.81])
+    with pytest.raises(ValueError, match=r"\Agravity: got a component along the periodic y[^\n]*\Z"):
+        by_lammps(system, rough(SOFT), 1e-3)
+
+
+FRICTION = {
+    "linear_history 2857.142857142857 0.3 0.5": (SOFT, {"damping_ratio": 0.3}),
+    "linear_nohistory 0.3 0.5": (SOFT, {"damping_ratio": 0.3, "model": "none"}),
+    "linear_nohistory 0.0 0.0": (SOFT, {"coefficient": 0.0}),  # none that acts
+    f"mindlin/force {2e7 / (1.0 - 0.3**2):.11g}": (
+        hl.Viscoelastic(youngs_modulus=2e7, poisson_ratio=0.3, dissipative_time=1e-6),
+        {"model": "mindlin_force", "stiffness_ratio": 1.0},
+    ),
+}
+
+
+@pytest.mark.parametrize("words", FRICTION)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_input_of_friction(words, dimension, tmp_path):
+    law, friction = FRICTION[words]
+    system = mixed(1, dimension, ("periodic",) * (dimension - 1) + ("wall",), 9.81)
+    system = system.replace(mass=system.mass[0], radius=system.radius[0])
+    text = hl.lammps_input(
+        system, tmp_path, law=rough(law, **friction), until=1e-3, restitution_error=0.01
+    ).read_text(encoding="utf-8")
+    assert text.count(f"tangential {words}") == 3  # pairs and two walls
+    acts = friction.get("coefficient") != 0.0
+    assert ("nve/sphere" in text) == acts and ("nve/sphere disc" in text) == (acts and dimension == 2)
+    assert ("motion.dump" in text) == ("linear_history" in words)
+
+
+def test_own_damping_needs_a_type_for_each_mass(tmp_path):
+    """γ_t is x_t times the damping of the normal force, which depends on the masses."""
+    hl.lammps_input(mixed(1, 3, "wall", 0.0), tmp_path, law=rough(SOFT, damping=0.02), until=1e-3)
+    assert "3 atom types" in (tmp_path / "start.data").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["linear", "viscoelastic", "tsuji"])
+def test_the_longest_step_keeps_to_the_error_of_surfaces_that_stick(name):
+    law, speed, error = rough(LAWS[name], stiffness_ratio=0.9), 0.7, 5e-3
+    contact, powers = core_contact(law), law.record["powers"]
+    terms = FrictionTerms(*contact.friction_terms)
+    mass, slow = contact.effective_mass / 3.5, np.array([0.01])
+    step = integration_error.LongestStep(powers, 0.4)(contact, speed, error)
+    assert step < integration_error.longest_step(contact, speed, error)
+    numbers = (*powers, False), *contact.coefficients, contact.effective_mass
+    exact = tangential_restitution(*numbers, terms, mass, speed, slow)
+    at_step, twice = (
+        np.abs(
+            integration_error.tangential_restitution(contact, terms, mass, speed, slow, factor * step) - exact
+        ).max()
+        for factor in (1.0, 2.5)
+    )
+    assert at_step <= 1.02 * error < twice
 
 
 @pytest.mark.parametrize("folder", [None, 3, "", "\0", "a" * 300, __file__])
@@ -469,35 +560,54 @@ def test_a_contact_keeps_to_the_error_of_the_restitution():
 
 
 @needs_lammps
-@pytest.mark.parametrize("log", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_two_ranks_are_one_to_rounding(log):
+@pytest.mark.parametrize(
+    ("log", "friction"),
+    [(False, None), (False, hl.Friction(0.5, damping_ratio=0.3)), slow(True, None)],
+)
+def test_two_ranks_are_one_to_rounding(log, friction):
     """Few steps, because the ranks wait for each other at each step, which is slow on a busy machine."""
-    system = mixed(5, 3, ("periodic", "wall", "periodic"), 9.81)
-    soft, options = SOFT.replace(stiffness=300.0), {"time_step": 1e-5, "log": log, "samples": 2}
+    system = mixed(5, 3, ("periodic", "wall", "periodic"), [0.0, -9.81, 0.0])
+    soft, options = SOFT.replace(stiffness=300.0, friction=friction), {"log": log, "samples": 2}
+    options |= {"time_step": 1e-5}
     single, two = (by_lammps(system, soft, 3e-4, ranks=ranks, **options) for ranks in (1, 2))
     assert single.series.n_in_contact.values[-1] > 2
     for key, values in single.samples.items():
-        assert two.samples[key] == pytest.approx(values, rel=1e-9, abs=1e-20, nan_ok=True)
+        # LAMMPS writes tangential forces with velocities of half a step ago for particles of another rank.
+        late = friction is not None and key in ("contact_energy", "tangential_energy", "dissipated_energy")
+        within = {"abs": 1e-9} if late else {"rel": 1e-9, "abs": 1e-20}
+        assert two.samples[key] == pytest.approx(values, nan_ok=True, **within)
     assert np.abs(single.system.positions - two.system.positions).max() < 1e-15
     assert np.abs(single.system.velocities - two.system.velocities).max() < 1e-12
+    if friction:
+        assert single.samples["tangential_energy"][-1] > 0.0
+        assert np.abs(single.system.angular_velocities - two.system.angular_velocities).max() < 1e-9
     if log:
         for name, values in log_of(single).items():
             assert log_of(two)[name] == pytest.approx(values, rel=1e-9, abs=1e-12, nan_ok=True)
 
 
 @needs_lammps
-def test_a_folder_taken_elsewhere_comes_back(tmp_path):
+@pytest.mark.parametrize("factor", [None, 0.4, 0.5])
+def test_a_folder_taken_elsewhere_comes_back(factor, tmp_path):
+    """Without friction, and with that of spheres and of disks."""
     system = mixed(6, 2, ("wall", "periodic"), 0.0)
-    options = {"time_step": 2e-6, "samples": 3, "log": True}
-    hl.lammps_input(system, tmp_path, law=SOFT, until=3e-4, **options)
+    options, law = {"time_step": 1e-6, "samples": 3, "log": True}, SOFT
+    if factor is not None:
+        turning = np.linspace(-500.0, 500.0, system.n)
+        system = system.replace(angular_velocities=turning, inertia_factor=factor)
+        law = rough(SOFT, damping_ratio=0.3)
+    hl.lammps_input(system, tmp_path, law=law, until=3e-4, **options)
     with pytest.raises(FileNotFoundError, match=r": no such file"):
         hl.lammps_result(tmp_path)
     here = program.find(1)
     command, environment = here.command(1, "-in", "in.hardlimit"), here.environment()
     subprocess.run(command, cwd=tmp_path, env=environment, check=True, stdout=subprocess.DEVNULL)
-    result, run = hl.lammps_result(tmp_path), by_lammps(system, SOFT, 3e-4, **options)
+    result, run = hl.lammps_result(tmp_path), by_lammps(system, law, 3e-4, **options)
     assert same_samples(result, run) and result.contacts.identical(run.contacts)
     assert np.array_equal(result.system.positions, run.system.positions)
+    if factor is not None:
+        assert np.array_equal(result.system.angular_velocities, run.system.angular_velocities)
+        assert (result.system.inertia_factor == factor).all() and result.law == law
     dump = (tmp_path / "pairs.dump").read_text()
     (tmp_path / "pairs.dump").write_text(dump[: len(dump) // 2])
     with pytest.raises(ValueError, match="must contain the output of a run that ended"):

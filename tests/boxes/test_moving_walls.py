@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from hardlimit import _core
 
-LINEAR = ("linear", 0, [1e6, 0.8])
-ELASTIC = ("linear", 0, [1e4, 1.0])
-VISCOELASTIC = ("viscoelastic", 1, [1e8, 0.3, 0.7, 1.0])
+LINEAR = ("linear", 0, [1e6, 0.8], None)
+ELASTIC = ("linear", 0, [1e4, 1.0], None)
+VISCOELASTIC = ("viscoelastic", 1, [1e8, 0.3, 0.7, 1.0], None)
 
 #: Arguments of each engine, and the relative error of its energies.
 ENGINES: dict[str, tuple[dict[str, Any], float]] = {

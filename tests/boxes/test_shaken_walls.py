@@ -353,7 +353,7 @@ def test_no_body_leaves_its_safety_radius(seed: int) -> None:
         system.velocities,
         np.ascontiguousarray(system.radius),
         np.ascontiguousarray(system.mass),
-        law=("linear", 0, [1e4, 0.8]),
+        law=("linear", 0, [1e4, 0.8], None),
     )
     for k in range(1, 20):
         engine.advance(1e-3 * k)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from box_engines import LINEAR, SOLVERS, solved
+from box_engines import LINEAR, SOLVERS, interrupt_at, solved
 from conftest import refusal, slow
 from hardlimit.boxes import checkpoint, engines, observe, thermostats
 from hardlimit.boxes import run as running
@@ -289,6 +289,94 @@ def test_a_kick_presses_grains_that_have_just_let_go(law: hl.Law, seeds: range) 
     assert again > 0
 
 
+RUBBING = LINEAR.replace(friction=hl.Friction(0.5))
+#: The same, for long steps.
+SOFT = hl.LinearDashpot(stiffness=1e-2, restitution=0.8, friction=hl.Friction(0.5))
+SPINNING = hl.RandomKicks(power=1e-3, interval=5e-4, rotational=2e-3, seed=3)
+
+
+def by_steps(system: hl.ParticleSystem, until: float, **options: Any) -> hl.ContactResult:
+    """A run with friction."""
+    settings = {"law": RUBBING, "engine": "steps", "samples": 10} | options
+    return hl.molecular_dynamics(system, until=until, **settings)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("radius", [1e-3, (0.5e-3, 2e-3)])
+def test_the_rotational_power_is_the_mean_heat_of_spins(d: int, radius: Any) -> None:
+    """Within 5 standard deviations, from particles at rest. Velocities get the kicks that they get without."""
+    system = gas(100, dimension=d, packing_fraction=1e-3, radius=radius, rms_speed=0.0, inertia_factor=0.6)
+    energies = []
+    for seed in range(20):
+        kicks = dataclasses.replace(SPINNING, interval=1e-6, seed=seed)
+        run = by_steps(system.replace(thermostat=kicks), 4e-5, time_step=1e-7, samples=1)
+        energies.append(run.system.rotational_energy)
+        gained = run.system.kinetic_energy + run.system.rotational_energy
+        assert float(run.series.heat[-1]) == pytest.approx(gained, rel=1e-12) and run.n_contacts == 0
+    alone = system.replace(thermostat=dataclasses.replace(kicks, rotational=None))
+    plain = by_steps(alone, 4e-5, time_step=1e-7)
+    assert (plain.system.velocities == run.system.velocities).all() and plain.system.rotational_energy == 0.0
+    error = float(np.std(energies)) / math.sqrt(len(energies))
+    assert float(np.mean(energies)) == pytest.approx(2e-3 * 4e-5, abs=5.0 * error)
+    assert error < 0.05 * 8e-8
+    spin = run.system.angular_velocities.reshape(100, -1)[:, 0]
+    assert abs(np.corrcoef(run.system.velocities[:, 0], spin)[0, 1]) < 0.5  # other random numbers
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_bath_sets_the_rotational_temperature(d: int) -> None:
+    """A mixture that does not collide: the same mean energy of small and large particles, within 5 standard deviations,
+    and spins change with the velocities, exactly where a particle meets the bath."""
+    bath = hl.Andersen(temperature=0.04, rate=100.0, interval=1e-3, rotational=0.01, seed=2)
+    n, axes = 1000, 3 if d == 3 else 1
+    radius = [1e-3] * (n // 2) + [2e-3] * (n // 2)
+    system = gas(n, bath, dimension=d, radius=radius, packing_fraction=1e-6, rms_spin=5.0, rms_speed=0.01)
+    run = by_steps(system, 1e-3, law=SOFT, time_step=2e-5, samples=1).system
+    moved = (run.velocities != system.velocities).any(axis=1)
+    turned = (run.angular_velocities != system.angular_velocities).reshape(n, -1).any(axis=1)
+    assert (moved == turned).all() and 0.03 < moved.mean() < 0.2
+    end = by_steps(system, 0.05, law=SOFT, time_step=2e-5, samples=1).system
+    energy = end.inertia[:, None] * end.angular_velocities.reshape(n, axes) ** 2 / end.mass.mean()
+    for part in (energy[: n // 2], energy[n // 2 :]):
+        assert part.mean() == pytest.approx(0.01, abs=5.0 * 0.01 * math.sqrt(2.0 / part.size))
+
+
+@pytest.mark.parametrize("thermostat", [SPINNING, hl.Andersen(0.09, 500.0, rotational=0.05, interval=5e-4)])
+def test_heat_of_spins_closes_the_balance_and_resumes(thermostat: Any, tmp_path: Path) -> None:
+    """Energy within the error of the step; checkpoints and threads keep the bits; parts continue the kicks."""
+    system = gas(60, thermostat, packing_fraction=0.3, rms_spin="equal")
+    path = tmp_path / "run.ckpt"
+    whole = by_steps(system, 0.004, restitution_error=1e-4)
+    series = whole.series
+    total = (
+        series.kinetic_energy + series.rotational_energy + series.contact_energy + series.dissipated_energy
+    )
+    assert float(abs(total - series.heat - total[0]).max()) < 1e-3 * float(series.kinetic_energy[0])
+    with pytest.raises(KeyboardInterrupt):
+        by_steps(system, 0.004, restitution_error=1e-4, checkpoint=path, progress=interrupt_at(6))
+    resumed = hl.resume(path)
+    assert resumed.system == whole.system and resumed.series.identical(whole.series)
+    half = by_steps(system, 0.002, restitution_error=1e-4)
+    assert half.system.thermostat == dataclasses.replace(thermostat, kicks=4)
+    assert hl.load(whole.save(tmp_path / "run.nc")).system == whole.system
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_rotational_kicks_without_friction_are_refused(name: str) -> None:
+    system = gas(10, SPINNING, packing_fraction=0.01, rms_spin=1.0)
+    assert refusal(lambda: solved(name, system, 0.01)).startswith(
+        "thermostat: got rotational=0.002, must be without"
+    )
+
+
+def test_a_thermostat_without_rotation_is_written_as_before() -> None:
+    assert hl.RandomKicks(0.0, 1.0, rotational=1.0).power == 0.0
+    assert repr(KICKS) == "RandomKicks(interval=0.0005, seed=3, kicks=0, power=0.001)"
+    assert "rotational" not in thermostats.as_entry(KICKS)
+    assert repr(SPINNING) == "RandomKicks(interval=0.0005, seed=3, kicks=0, power=0.001, rotational=0.002)"
+    assert thermostats.from_entry(thermostats.as_entry(SPINNING)) == SPINNING != KICKS
+
+
 def test_results_continue_with_new_kicks() -> None:
     """Two halves are the whole."""
     system = gas(40)
@@ -300,7 +388,7 @@ def test_results_continue_with_new_kicks() -> None:
 
 
 @pytest.mark.parametrize("ending", ["xyz", "gsd"])
-@pytest.mark.parametrize("thermostat", [KICKS, hl.Andersen(0.03, 300.0)])
+@pytest.mark.parametrize("thermostat", [KICKS, SPINNING, hl.Andersen(0.03, 300.0, rotational=1.0 / 3.0)])
 def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) -> None:
     if ending == "gsd":
         pytest.importorskip("gsd")
@@ -322,6 +410,9 @@ def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) ->
         (lambda: hl.Andersen(temperature=-1.0, rate=1.0), "temperature: got -1"),
         (lambda: hl.Andersen(temperature=1.0, rate=0.0), "rate: got 0"),
         (lambda: hl.RandomKicks(1.0, 1.0, seed=-1), "seed: got -1"),
+        (lambda: hl.RandomKicks(power=0.0, interval=1.0, rotational=0.0), "power: got 0"),
+        (lambda: hl.RandomKicks(1.0, 1.0, rotational=-1.0), "rotational: got -1"),
+        (lambda: hl.Andersen(1.0, 1.0, rotational=math.inf), "rotational: got inf"),
         (lambda: gas(10, 3.0, packing_fraction=0.01), "thermostat: got 3.0, must be hl.RandomKicks"),
         (
             lambda: hl.ParticleSystem([[1, 1]], [[1, 0]], 0.1, mass=1, box=9, thermostat=KICKS),

@@ -1607,6 +1607,17 @@ def test_no_theory_has_shear_and_a_thermostat():
     assert verdict.admissible is None and "shear and a thermostat" in verdict.remarks[-1]
 
 
+@pytest.mark.parametrize(
+    "bath", [hl.RandomKicks(1e-6, 1e-4, rotational=1e-6), hl.Andersen(0.1, 1.0, rotational=0.1)]
+)
+def test_no_theory_has_a_thermostat_of_spins(bath):
+    box = hl.ParticleSystem.random(60, 0.2, 1e-3, 2500.0, 0.3, thermostat=bath)
+    verdict = hl.check(box, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9))
+    assert verdict.admissible is None and verdict.remarks[-1].endswith(
+        "kinetic theory has no thermostat of spins."
+    )
+
+
 @pytest.mark.parametrize(("phi", "e"), [(0.1, 0.9), (0.3, 0.7)])
 def test_the_steady_speed_is_that_of_heated_hard_spheres(phi, e):
     """A system with its thermostat, by simulation: 5 % of the speed, of which sampling 1 %. At rest at the start."""

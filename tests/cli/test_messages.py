@@ -145,6 +145,9 @@ def beside(name: str, typed: str) -> list[str]:
         words += [f"{option}={value}" for option, value in options.items()]
     if name == "gas" and typed in ("--restitution-error", "--time-step"):
         words += ["--engine", "steps", "--stiffness", "1e5", "--restitution", "0.5"]
+    both = {"--friction": "0.5", "--tangential-restitution": "0.3"}
+    if name == "gas" and typed in both:
+        words += [word for option in both.items() if option[0] != typed for word in option]
     return words + (["--rule", "tc"] if (name, typed) == ("gas", "--contact-duration") else [])
 
 
@@ -244,6 +247,7 @@ def test_a_file_that_cannot_be_read_is_bad_input(words: list[str], tmp_path: Pat
 
 SMALL = "--n 20 --packing-fraction 0.05 --until 1us"
 SOFT = "--stiffness 1e-5 --restitution 0.9"
+STIFF = "--stiffness 1e5 --restitution 0.9"
 #: Wrong calls, and what the message says; ``refused`` checks that it has no words of Python.
 WRONG = {
     f"gas {SMALL} {SOFT}": "--law: got linear --stiffness 1e-05 --restitution 0.9, must be stiffer",
@@ -257,6 +261,16 @@ WRONG = {
     "gas overlap.xyz": "particles 0 and 1 overlap, gap -0.005 m, must be >= -1e-11 m, 1e-09 of the sum of the radii",
     "gas empty.xyz": "empty.xyz: is empty, must have one frame or more",
     "gas pair.xyz --law linear": "--stiffness: missing, must be > 0",
+    f"gas {SMALL} --friction 0.5": "--tangential-restitution: missing, must be given with --friction",
+    f"gas {SMALL} --tangential-restitution 0.5": "--friction: missing, must be given with --tangential-restitution",
+    f"gas {SMALL} --stiffness-ratio 2/7": "--stiffness-ratio: got 0.2857142857142857, must be left out without",
+    f"gas {SMALL} {STIFF} --stiffness-ratio 2/7": "--friction: missing, must be given beside --stiffness-ratio",
+    f"gas {SMALL} {STIFF} --friction 1 --tangential-restitution 0": "left out with a law, whose --friction says",
+    f"gas {SMALL} --engine steps --friction 0.5": "--law: missing, must be given with its parameters for --engine",
+    f"gas {SMALL} --rms-spin equl": "'10 rad/s', or equal",
+    "gas pair.xyz --rms-spin 1": "--rms-spin: must be left out with a start from a file",
+    f"gas compare {SMALL} --tangential-restitution 1": "--tangential-restitution: got 1.0, must be left out for a law",
+    f"gas compare {SMALL} --friction 0.5 --tangential-restitution 2": "--tangential-restitution: got 2, must be in [",
     f"gas compare {SMALL} --store checkpoint": "--store: checkpoint is the checkpoint of a run, must be a store of",
     "fit speeds.csv": "speeds.csv: values without errors, or with 0: add a column restitution_error, or --scatter",
     "fit times.csv": "add a column time_error, or --scatter",

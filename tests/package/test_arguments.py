@@ -310,8 +310,10 @@ def arguments_of_grains() -> list[Argument]:
     system = hl.ParticleSystem(**DISKS)
     n, each, whole = "number", "one number for each", "whole number"
     kinds = {"positions": "positions", "velocities": "velocities", "radius": n, "mass": n, "density": n, "box": each,
-             "boundary": "words", "gravity": each, "allowed_overlap": n}  # fmt: skip
-    good = DISKS | {"density": 2500.0, "boundary": "wall", "gravity": 9.81, "allowed_overlap": 1e-3}
+             "boundary": "words", "gravity": each, "allowed_overlap": n, "inertia_factor": "optional number",
+             "angular_velocities": "optional number for each"}  # fmt: skip
+    good = DISKS | {"density": 2500.0, "boundary": "wall", "gravity": 9.81, "allowed_overlap": 1e-3,
+                    "angular_velocities": [1.0, 2.0], "inertia_factor": 0.4}  # fmt: skip
     listed = []
     for name, kind in kinds.items():
         others = {key: value for key, value in DISKS.items() if (key, name) != ("mass", "density")}
@@ -321,8 +323,10 @@ def arguments_of_grains() -> list[Argument]:
             listed.append(Argument("ParticleSystem.replace", name, optional, system.replace, good[name]))
     random = {"n": 3, "packing_fraction": 0.1, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
     kinds = {"n": whole, "packing_fraction": n, "radius": n, "density": n, "rms_speed": n, "dimension": whole,
-             "seed": whole, "boundary": "words", "gravity": each}  # fmt: skip
-    good = random | {"dimension": 2, "seed": 1, "boundary": "wall", "gravity": 9.81}
+             "seed": whole, "boundary": "words", "gravity": each, "rms_spin": "optional number",
+             "inertia_factor": "optional number"}  # fmt: skip
+    good = random | {"dimension": 2, "seed": 1, "boundary": "wall", "gravity": 9.81, "rms_spin": "equal",
+                     "inertia_factor": 0.4}  # fmt: skip
     for name, kind in kinds.items():
         listed.append(
             Argument("ParticleSystem.random", name, kind, hl.ParticleSystem.random, good[name], random)

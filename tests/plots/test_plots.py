@@ -4,6 +4,7 @@ import gc
 import math
 import re
 import sys
+from dataclasses import replace
 from importlib import import_module
 from itertools import cycle, pairwise
 from pathlib import Path
@@ -16,6 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from PIL import Image
+from scipy.spatial.transform import Rotation
 
 import hardlimit as hl
 from conftest import law_of, roomy, slow, too_deep_later
@@ -529,7 +531,7 @@ def test_film_of_a_sheared_box(gradient: int) -> None:
     at[0][gradient] = 0.4e-3
     box = {"radius": 1e-3, "density": 2500.0, "box": 1e-2, "boundary": sides, "shear_displacement": 3e-3}
     system = hl.ParticleSystem(at, [[0.0] * 3], **box)
-    centres, radii, _ = grain_film.shown(system)
+    centres, radii, *_ = grain_film.shown(system)
     expected = [[1e-3, 10.4e-3], [8e-3, 0.4e-3]]
     np.testing.assert_allclose(sorted(centres.tolist())[: len(expected)], expected, atol=1e-12)
     assert np.all(radii == 1e-3)
@@ -538,6 +540,86 @@ def test_film_of_a_sheared_box(gradient: int) -> None:
         film.picture(grain_film.Snapshot.of(0.0, system), 0)
     assert "dash-dotted: images slide" in texts(film.figure)
     assert_legible(film.figure, **video.STYLE)
+
+
+def spinning(dimension: int, size: float = 300.0, **more) -> hl.ParticleSystem:
+    system = hl.ParticleSystem.random(80, 0.2, (0.5e-3, 1e-3), 2500.0, 1.0, dimension=dimension, **more)
+    shape = (80, 3) if dimension == 3 else (80,)
+    return system.replace(angular_velocities=size * np.random.default_rng(1).normal(size=shape))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_marks_turn_with_the_particles(dimension: int) -> None:
+    """Equal spins at both ends turn exactly, also about an axis that is not that of the mark; unequal ones by their
+    mean. Reference: rotation vectors of scipy."""
+    start, directions = spinning(dimension), grain_film.Directions()
+    axes = (0, 0, 1) if dimension == 2 else (1, 1, 1)
+    spins = np.asarray(start.angular_velocities).reshape(80, -1) * np.array(axes) * np.ones(3)
+    assert np.array_equal(directions.at(0.0, start), np.tile([1.0, 0.0, 0.0], (80, 1)))
+    for time in np.linspace(0.001, 0.02, 9):
+        now = directions.at(float(time), start)
+    expected = Rotation.from_rotvec(0.02 * spins).apply([1.0, 0.0, 0.0])
+    np.testing.assert_allclose(now, expected, atol=1e-12)
+    slower = start.replace(angular_velocities=0.5 * start.angular_velocities)
+    turned = Rotation.from_rotvec(0.75 * 0.003 * spins).apply(expected)
+    np.testing.assert_allclose(directions.at(0.023, slower), turned, atol=1e-12)
+    assert grain_film.Directions().at(0.0, hl.ParticleSystem.random(9, 0.1, 1e-3, 2500.0, 1.0)) is None
+
+
+@pytest.mark.parametrize("sheared", [False, slow(True)])
+def test_marks_are_where_the_bodies_are_cut(sheared: bool) -> None:
+    """The ends of a line lie on the sphere, in the plane of the cut and in the plane that turns; images have the same
+    line. The spoke of a disk is a radius."""
+    rng = np.random.default_rng(4)
+    more = {"boundary": ("periodic", "lees-edwards", "periodic"), "shear_rate": 1.0} if sheared else {}
+    system = spinning(3, **more)
+    directions = rng.normal(size=(80, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    snapshot, axes = grain_film.Snapshot.of(0.0, system, directions), list(grain_film.plane(system))
+    (normal,) = {0, 1, 2} - set(axes)
+    circles, marks, drawn = snapshot.circles, snapshot.marks, 0
+    for centre, ends, i, height in zip(
+        circles.centres, marks, circles.particles, circles.heights, strict=True
+    ):
+        drawn += np.isfinite(ends).all()
+        for end in ends[np.isfinite(ends).all(axis=1)]:
+            point = np.empty(3)
+            point[axes], point[normal] = end - centre, height
+            assert abs(point @ directions[i]) < 1e-12
+            assert np.linalg.norm(point) == pytest.approx(system.radius[i], rel=1e-9)
+            assert height + system.positions[i, normal] == pytest.approx(0.5 * system.box[normal])
+    assert drawn > 10 and len(circles.particles) > len(set(circles.particles.tolist()))
+    disks = spinning(2)
+    flat = np.concatenate([directions[:, :2], np.zeros((80, 1))], axis=1)
+    flat /= np.linalg.norm(flat, axis=1)[:, None]
+    shot = grain_film.Snapshot.of(0.0, disks, flat)
+    spokes = shot.marks[:, 1] - shot.marks[:, 0]
+    particles = shot.circles.particles
+    np.testing.assert_allclose(spokes, disks.radius[particles, None] * flat[particles, :2], atol=1e-15)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_film_of_spinning_grains_shows_marks(dimension: int) -> None:
+    """Light on dark colours and dark on light ones; they turn from frame to frame. Grains without spins have none."""
+    system, directions = spinning(dimension), grain_film.Directions()
+    with style.style(**video.STYLE):
+        film = grain_film.Stage(system, 1.0, 640)
+        frames = [
+            film.picture(grain_film.Snapshot.of(time, system, directions.at(time, system)), 0)
+            for time in (0.0, 2e-3)
+        ]
+        assert_legible(film.figure, **video.STYLE)
+    assert np.any(frames[0] != frames[1])
+    colours = film.marks.get_colors()[:, :3].sum(axis=1)
+    bodies = film.bodies.get_array()
+    assert set(colours.tolist()) == {0.0, 3.0} and (colours[bodies < 0.5] == 3.0).all()
+    assert (colours[bodies > 1.5] == 0.0).all()
+    assert "turn with them" in texts(film.figure) and "rotational temperature" in texts(film.figure)
+    smooth = hl.ParticleSystem.random(20, 0.1, 1e-3, 2500.0, 1.0, dimension=dimension)
+    with style.style(**video.STYLE):
+        plain = grain_film.Stage(smooth, 1.0, 320)
+        plain.picture(grain_film.Snapshot.of(0.0, smooth), 0)
+    assert not plain.marks.get_segments() and "turn" not in texts(plain.figure)
 
 
 @pytest.mark.parametrize(("samples", "until"), [(100, 0.02), slow(400, 0.02), slow(20, 1e-4)])
@@ -556,6 +638,28 @@ def test_the_transient_of_the_start_is_marked(samples: int, until: float) -> Non
     figure = plots.gas(run)
     shaded = [patch for ax in figure.axes[1:] for patch in ax.patches]
     assert len(shaded) == 2 and gas.TRANSIENT in texts(figure)
+    assert_legible(figure)
+
+
+@pytest.mark.parametrize("start", [0.0, slow(0.3), slow(5.0)])
+def test_both_temperatures_of_a_gas_with_friction_are_drawn(start: float) -> None:
+    """Beside the theory of the gas with friction, not Haff's law; grains that do not spin at first have T_r = 0."""
+    system = hl.ParticleSystem.random(300, 0.1, 1e-3, 2500.0, 1.0)
+    rough = {"friction": 0.5, "tangential_restitution": 0.4}
+    run = hl.event_driven(system, restitution=0.9, until=0.05, samples=30, **rough)
+    time, temperature = run.series["time"].values, float(run.series["granular_temperature"][0])
+    theory = hl.boxes.theory.gas(system).rotating(0.9, 0.5, 0.4)
+    cooling, rotation = theory.cooling(time, temperature, start * temperature)
+    energy = 1.5 * system.mass.sum() * rotation
+    cooled = run.samples | {"rotational_energy": energy, "granular_temperature": cooling}
+    figure = plots.gas(replace(run, samples=cooled))
+    lines = {line.get_color(): line.get_ydata() for line in figure.axes[0].lines}
+    np.testing.assert_allclose(lines[style.PALETTE["blue"]], cooling)
+    np.testing.assert_allclose(lines[style.PALETTE["orange"]], rotation, atol=1e-15)
+    dashed = [line.get_ydata() for line in figure.axes[0].lines if line.get_color() == "black"]
+    np.testing.assert_allclose(dashed, [cooling, rotation], rtol=1e-6, atol=1e-15)
+    assert all(text in texts(figure) for text in ("temperatures", "translation", "rotation", "with friction"))
+    assert "Haff" not in texts(figure)
     assert_legible(figure)
 
 

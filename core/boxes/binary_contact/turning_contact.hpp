@@ -11,49 +11,21 @@
 #pragma once
 #include "../../base/event_location.hpp"
 #include "implicit_slip.hpp"
-#include "turning_motion.hpp"
+#include "turning_series.hpp"
 
 namespace hardlimit::boxes {
 
-inline constexpr int most_intervals = 16;
-
-// The end of a contact. If it does not end (`outcome`), the numbers are NaN.
-struct TurningContact {
-    Outcome outcome = Outcome::unresolved;
-    double duration = math::nan;                     // [s]
-    Vector3 shift{math::nan, math::nan, math::nan};  // of the relative position since touch [m]
-    Vector3 velocity = shift;                        // relative [m/s]
-    Vector3 spin = shift;                            // Ω [rad/s]
-    Vector3 normal = shift;                          // from the first body to the second
-    double compression = math::nan;                  // residual [m]
-    // Energies [J]: left in the springs, taken by damping (that of the tangential force while the surfaces stick), and
-    // by slip, the rest of the work of the tangential force.
-    double normal_spring = math::nan, tangential_spring = math::nan;
-    double normal_damping = math::nan, tangential_damping = math::nan, slip = math::nan;
-    int changes = 0;  // between stick and slip
-    // Whether they slip at touch, and the times of the changes [s]; only the first are kept.
-    bool slips_first = false;
-    double change[most_intervals] = {};
-};
-
-// State during a contact.
-struct TurningState {
-    double time;  // since touch [s]
-    Vector3 shift, velocity, spin, normal;
-    double normal_force;       // [N]
-    Vector3 tangential_force;  // on the second body [N]
-    bool slips;
-};
-
 template <class Normal>
-class TurningSolver {
+class TurningSolver : public TurningStates<Normal> {
 public:
+    using Base = TurningStates<Normal>;
     static constexpr double tolerance = 1e-13;   // of one step
     static constexpr double longest_step = 0.2;  // in τ
     static constexpr int most_steps = 100'000;
     static constexpr int most_changes = 1000;
 
-    TurningSolver(const WithFriction<Normal>& law, const TurningApproach& touch) : motion_(law, touch) {}
+    using Base::Base;
+    using Base::state_of;
 
     static bool accepts(const TurningApproach& a) {
         const Approach planar = M::approach_of(a);
@@ -78,7 +50,7 @@ public:
             }
             const Event event = first_event();
             visit(*this);
-            if (event == Event::ends) return finish();
+            if (event == Event::ends) return this->finish(end_);
             if (too_deep()) return {.outcome = Outcome::too_deep};
             if (event != Event::none && !apply(event)) break;
             motion_.renew_reference(end_);
@@ -114,22 +86,6 @@ public:
         return state;
     }
 
-    TurningState state_of(const double* y) const {
-        const auto& units = motion_.units();
-        const auto now = motion_.now(y);
-        const Tangential f = motion_.force(y, now);
-        const double unit = 1.0 / units.force_unit, normal = math::max(now.normal, 0.0);
-        return {y[M::time] * motion_.time_unit(),
-                shift_of(y),
-                motion_.in_space(y, units.speed * y[M::across], units.speed * y[M::across + 1],
-                                 -units.speed * y[M::rate]),
-                spin_of(y),
-                normal_of(y),
-                unit * normal,
-                motion_.in_space(y, -unit * f.first, -unit * f.second, 0.0),
-                motion_.slips};
-    }
-
 private:
     using M = TurningMotion<Normal>;
     static constexpr int n = M::dimension, m = M::turn;  // m: components under error control
@@ -142,8 +98,7 @@ private:
         ends
     };  // holds: ceases to follow the limit
 
-    M motion_;
-    TurningContact result_;
+    using Base::motion_, Base::result_;
     double begin_[n], end_[n], slope_[n], scale_[m];
     double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
     double h_ = longest_step, implicit_h_ = longest_step, length_ = 0.0;
@@ -347,49 +302,6 @@ private:
             math::max(math::power<M::p>(begin_[M::root_depth]), math::power<M::p>(end_[M::root_depth]));
         return depth * motion_.units().ratio > PlanarSolver<Normal>::deepest;
     }
-
-    // --- result ---------------------------------------------------------------------------------------------------
-
-    Vector3 normal_of(const double* y) const {
-        Vector3 normal = motion_.normal_change(y);
-        for (std::size_t k = 0; k < 3; ++k) normal[k] += motion_.touch().normal[k];
-        return normal;
-    }
-    // r − r(0) = −ξ n + l (n − n(0)); at a wall the path along it.
-    Vector3 shift_of(const double* y) const {
-        const double length = motion_.units().length, depth = length * math::power<M::p>(y[M::root_depth]);
-        if (motion_.is_wall())
-            return motion_.from_touch({length * y[M::turn + 1], length * y[M::turn + 2], -depth});
-        const Vector3 change = motion_.normal_change(y);
-        Vector3 shift;
-        for (std::size_t k = 0; k < 3; ++k)
-            shift[k] = (motion_.touch().distance - depth) * change[k] - depth * motion_.touch().normal[k];
-        return shift;
-    }
-    Vector3 spin_of(const double* y) const {
-        const double unit = motion_.units().speed / motion_.touch().arm;
-        return motion_.in_space(y, -unit * y[M::surface + 1], unit * y[M::surface], unit * y[M::twist]);
-    }
-
-    TurningContact finish() {
-        const auto& units = motion_.units();
-        const TurningState end = state_of(end_);
-        const double energy = motion_.touch().effective_mass * units.speed * units.speed;
-        result_.outcome = Outcome::ok;
-        result_.duration = end.time;
-        result_.shift = end.shift;
-        result_.velocity = end.velocity;
-        result_.spin = end.spin;
-        result_.normal = end.normal;
-        result_.compression = units.length * math::power<M::p>(math::max(end_[M::root_depth], 0.0));
-        result_.normal_damping = energy * end_[M::loss];
-        result_.normal_spring = units.law->energy(units.root * math::max(end_[M::root_depth], 0.0));
-        const double left = motion_.spring_energy(end_);
-        result_.tangential_spring = energy * left;
-        result_.tangential_damping = energy * end_[M::damped];
-        result_.slip = energy * (end_[M::work] - end_[M::damped] - left);
-        return result_;
-    }
 };
 
 // A contact without friction: planar_contact.hpp, bit for bit. The spin rests.
@@ -432,6 +344,9 @@ TurningContact frictionless_contact(const Normal& law, const TurningApproach& to
             .change = {}};
 }
 
+template <class Normal>
+inline constexpr bool has_series = Normal::onset_power == 1;
+
 // Solves the contact from touch to its end. The outcome is `invalid` if TurningSolver::accepts refuses the input or the
 // history of the friction is singular at touch.
 template <class Normal>
@@ -439,6 +354,12 @@ TurningContact solve_turning_contact(const WithFriction<Normal>& law, const Turn
     using Solver = TurningSolver<Normal>;
     if (!Solver::accepts(touch)) return {.outcome = Outcome::invalid};
     if (law.friction.coefficient == 0.0) return frictionless_contact<Normal>(law, touch);
+    if constexpr (has_series<Normal>) {
+        if (TurningSeries<Normal>::applies(law.friction)) {
+            const TurningContact end = TurningSeries<Normal>(law, touch).integrate([](const auto&) {});
+            if (end.outcome == Outcome::ok) return end;
+        }
+    }
     return Solver(law, touch).integrate([](const auto&) {});
 }
 
@@ -449,12 +370,18 @@ long sample_turning_contact(const WithFriction<Normal>& law, const TurningApproa
     using Solver = TurningSolver<Normal>;
     long done = 0;
     if (!Solver::accepts(touch)) return done;
-    Solver(law, touch).integrate([&](auto& run) {
+    const auto take = [&](auto& run) {
         while (done < count && times[done] <= run.end_time()) {
             states[done] = run.at(times[done]);
             ++done;
         }
-    });
+    };
+    if constexpr (has_series<Normal>) {
+        if (TurningSeries<Normal>::applies(law.friction) && law.friction.coefficient > 0.0) {
+            if (TurningSeries<Normal>(law, touch).integrate(take).outcome == Outcome::ok) return done;
+        }
+    }
+    Solver(law, touch).integrate(take);
     return done;
 }
 

@@ -106,6 +106,11 @@ public:
     }
 
     const PlanarMotion<Normal>& units() const { return units_; }
+    // Factors of the powers of σ in the forces.
+    struct Constants {
+        double elastic, damping, stiffness, dashpot;
+    };
+    Constants constants() const { return {elastic_, damping_, stiffness_, dashpot_}; }
     const TurningApproach& touch() const { return touch_; }
     const FrictionTerms& friction() const { return friction_; }
     bool is_wall() const { return touch_.distance == math::infinity; }

@@ -124,6 +124,8 @@ struct Clusters {
         }
         reset(c, g.isolated_contact.contact.begin);
         for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.isolated_contact.before[m]);
+        if constexpr (FrictionalLaw<Law>)
+            for (const int i : g.body) c.rotations.push_back(paths.rotations[static_cast<std::size_t>(i)]);
         c.pairs.push_back(g.isolated_contact.pair);
     }
     // After reading a saved state.

@@ -46,6 +46,9 @@ struct ContactEvents {
             f(first);
             if (second >= 0) f(second);
         };
+        if constexpr (FrictionalLaw<Law>)
+            for (std::size_t m = 0; m < g.body.size(); ++m)
+                paths.rotations[static_cast<std::size_t>(g.body[m])].spin = l.surfaces.spin[m];
         for_both([&](int i) { paths.release(i); });
         groups.discard(index);
         if (cells.several_images()) return for_both([&](int i) { schedule.renew(i); });
@@ -88,7 +91,6 @@ private:
     // Solves a new contact as isolated if, according to the present predictions, no third body disturbs it. Otherwise
     // nothing changes; `third_body` is then the body that is too near, if that is the reason.
     bool try_isolated_contact(int i, int j, WallId wall, int& third_body) {
-        if constexpr (FrictionalLaw<Law>) return false;
         const int index = groups.add();
         Group& g = groups[index];
         isolated.open(g, i, j, wall);
@@ -121,6 +123,7 @@ private:
         ledger.end_contact(g, l.pair, l.contact);
         sums.largest_compression = math::max(sums.largest_compression, g.compression);
         sums.dissipated_energy += l.dissipated;
+        if constexpr (FrictionalLaw<Law>) sums.friction_loss += l.surfaces.rubbed;
         sums.virial += l.virial;
         if (const ContactPair<Law>& q = l.pair; q.second < 0) {
             const double impulse = g.wall_impulse, work = q.side * impulse * q.wall_velocity;

@@ -1,8 +1,10 @@
-// Solution of an isolated contact, which no third body disturbs, from touch to separation.
+// Solution of an isolated contact, which no third body disturbs, from touch to separation. With friction, only under a
+// linear law with a tangential spring (turning_series.hpp); the others are clusters of two bodies.
 #pragma once
 #include <array>
 
 #include "../binary_contact/tabulated_contact.hpp"
+#include "../binary_contact/turning_contact.hpp"
 #include "../kernels/interface.hpp"
 #include "frames.hpp"
 #include "limits.hpp"
@@ -93,6 +95,63 @@ void separate_pair(IsolatedContact<Law>& l, SeparatedMembers& after, const Plana
         l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
+// The relative position at separation is that at the end of the force, followed for the time `opening`. Without gravity
+// at a wall.
+template <FrictionalLaw Law>
+void separate_with_friction(ContactGroup<Law>& g, SeparatedMembers& after, const TurningContact& end,
+                            double opening, const double (&gravity)[3]) {
+    IsolatedContact<Law>& l = g.isolated_contact;
+    const ContactPair<Law>& q = l.pair;
+    const Member &a = l.before[0], &b = l.before[1];
+    Vector3 moved;
+    for (std::size_t k = 0; k < 3; ++k) moved[k] = end.shift[k] + opening * end.velocity[k];
+    after[0] = a, after[1] = b;
+    if (q.second < 0) {
+        const auto axis = static_cast<std::size_t>(q.axis);
+        for (std::size_t k = 0; k < 3; ++k) {
+            after[0].position[k] -= moved[k];
+            after[0].velocity[k] = -end.velocity[k];
+        }
+        after[0].velocity[axis] += q.wall_velocity;
+        after[0].position[axis] = q.wall_position(l.span) + q.side * q.contact_distance;
+        g.wall_impulse = q.side * (q.mass * (after[0].velocity[axis] - a.velocity[axis]));
+        return;
+    }
+    const double per_total = 1.0 / (a.mass + b.mass), of_a = a.mass * per_total, of_b = b.mass * per_total;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double mean = of_a * a.velocity[k] + of_b * b.velocity[k], fall = gravity[k] * l.span;
+        const double drift = l.span * (mean + 0.5 * fall);
+        after[0].position[k] += drift - of_b * moved[k];
+        after[1].position[k] += drift + of_a * moved[k];
+        after[0].velocity[k] = (mean + fall) - of_b * end.velocity[k];
+        after[1].velocity[k] = (mean + fall) + of_a * end.velocity[k];
+    }
+}
+
+// Spins at the end, energies and the row of the log. `arm`: distance of the centres at the end, at a wall the radius.
+template <FrictionalLaw Law>
+void rub(IsolatedContact<Law>& l, const TurningApproach& touch, const TurningContact& end, double arm,
+         const std::vector<Rotation>& rotations) {
+    const auto slip = [](const Vector3& v, const Vector3& spin, const Vector3& normal, double distance) {
+        return v - dot(v, normal) * normal - distance * cross(spin, normal);
+    };
+    const Vector3 change = end.spin - touch.spin;
+    for (std::size_t m = 0; m < (l.body[1] < 0 ? 1u : 2u); ++m) {
+        const Rotation& before = rotations[static_cast<std::size_t>(l.body[m])];
+        const double lever = l.before[m].radius * touch.arm / before.inertia;
+        l.surfaces.spin[m] = before.spin + (touch.effective_mass * lever / touch.rotational_ratio) * change;
+    }
+    l.surfaces.rubbed = end.tangential_spring + end.tangential_damping + end.slip;
+    l.dissipated = end.normal_damping + end.normal_spring + l.surfaces.rubbed;
+    const Vector3 first = slip(touch.velocity, touch.spin, touch.normal, touch.arm),
+                  last = slip(end.velocity, end.spin, end.normal, arm);
+    const double square = dot(first, first);
+    l.contact.slid = end.slips_first || end.changes > 0;
+    l.contact.tangential_speed = math::sqrt(square);
+    l.contact.tangential_restitution = square > 0.0 ? -dot(last, first) / square : math::nan;
+    l.pair.surfaces.slip = first;
+}
+
 template <class Law>
 class IsolatedContacts {
 public:
@@ -129,13 +188,17 @@ public:
         l.pair.state = ContactState::closed;
         l.pair.fresh = true;
         l.pair.begin = paths_.now;
+        if constexpr (FrictionalLaw<Law>) l.pair.surfaces.start = PairSurfaces<Law>::Start::touch;
     }
     // Solves the contact, and sets the safety radius of each member from its share of the deviation of the relative
     // path. Returns false if the contact does not end, or if a member moves too far for its cell or near another wall.
     bool solve(Group& g, SeparatedMembers& after) {
         IsolatedContact& l = g.isolated_contact;
         const Member(&b)[2] = l.before;
-        if (!(l.pair.second >= 0 ? solve_pair(g, after) : solve_wall(g, after))) return false;
+        if constexpr (FrictionalLaw<Law>) {
+            if (!solve_with_friction(g, after)) return false;
+        } else if (!(l.pair.second >= 0 ? solve_pair(g, after) : solve_wall(g, after)))
+            return false;
         for (std::size_t m = 0; m < 2; ++m) {
             l.share[m] = l.body[1] < 0 ? 1.0 : b[1 - m].mass / (b[0].mass + b[1].mass);
             l.safety_radius[m] = l.share[m] * l.deviation * l.rotation;
@@ -229,6 +292,112 @@ private:
                l.span * math::sqrt(dot(v, v)) <= limits_.largest_displacement &&
                l.deviation <= limits_.largest_safety_radius;
     }
+    // Solves a contact with friction under a linear law, of two bodies or of a body and a wall that moves uniformly and
+    // without gravity. Returns false if the contact needs another method, or if a member moves too far for its cell.
+    bool solve_with_friction(Group& g, SeparatedMembers& after)
+        requires FrictionalLaw<Law>
+    {
+        using Normal = typename Law::Frictionless;
+        if constexpr (has_series<Normal>) {
+            IsolatedContact& l = g.isolated_contact;
+            ContactPair<Law>& q = l.pair;
+            const FrictionTerms& friction = q.law.friction;
+            const double steepest = angle_of_force(friction);
+            if (!(steepest < steepest_force) || !TurningSeries<Normal>::applies(friction)) return false;
+            if (q.second < 0 &&
+                (dot(box_.gravity, box_.gravity) > 0.0 || box_.wall(q.wall_id).motion.oscillates()))
+                return false;
+            const TurningApproach touch = approach_of(l);
+            if (!TurningSolver<Normal>::accepts(touch)) return false;
+            TurningSeries<Normal, true> series(q.law, touch);
+            const TurningContact end = series.integrate([](const auto&) {});
+            if (end.outcome != Outcome::ok) return false;
+            return end_with_friction(g, after, touch, end, series.greatest(), series.virial_tensor(),
+                                     steepest);
+        } else
+            return false;
+    }
+    // Largest angle between the force and the normal that is solved as isolated [rad].
+    static constexpr double steepest_force = 1.2;
+
+    static double angle_of_force(const FrictionTerms& f) {
+        const bool limited = f.limit == SlipLimit::total || f.damping.factor == 0.0;
+        return limited && f.coefficient < 10.0 ? math::atan2_upper(f.coefficient, 1.0) : math::infinity;
+    }
+    // At a wall the body is the first one.
+    TurningApproach approach_of(const IsolatedContact& l) const
+        requires FrictionalLaw<Law>
+    {
+        const ContactPair<Law>& q = l.pair;
+        const Member &a = l.before[0], &b = l.before[1];
+        const Rotation& first = paths_.rotations[static_cast<std::size_t>(l.body[0])];
+        const double lever = a.radius * a.radius / first.inertia;
+        TurningApproach touch{q.mass, math::infinity, a.radius, q.mass * lever, {}, {}, first.spin};
+        if (q.second < 0) {
+            const auto axis = static_cast<std::size_t>(q.axis);
+            for (std::size_t k = 0; k < 3; ++k) touch.velocity[k] = -a.velocity[k];
+            touch.velocity[axis] += q.wall_velocity;
+            touch.normal[axis] = -q.side;
+            return touch;
+        }
+        const Rotation& second = paths_.rotations[static_cast<std::size_t>(l.body[1])];
+        touch.distance = touch.arm = q.contact_distance;
+        touch.rotational_ratio = q.mass * (lever + b.radius * b.radius / second.inertia);
+        for (std::size_t k = 0; k < 3; ++k) {
+            touch.normal[k] = (b.position[k] - a.position[k]) + q.image[k];
+            touch.velocity[k] = b.velocity[k] - a.velocity[k];
+            touch.spin[k] = (a.radius * first.spin[k] + b.radius * second.spin[k]) / q.contact_distance;
+        }
+        const double per_distance = 1.0 / math::sqrt(dot(touch.normal, touch.normal));
+        for (double& x : touch.normal) x *= per_distance;
+        return touch;
+    }
+    // Computes the states when the surfaces separate. The force keeps within the angle `steepest`, and the rotation,
+    // of the normal at touch: at most this angle, seen from the outgoing path, is the deviation from the normal.
+    bool end_with_friction(Group& g, SeparatedMembers& after, const TurningApproach& touch,
+                           const TurningContact& end, double greatest, const SymmetricTensor& virial,
+                           double steepest)
+        requires FrictionalLaw<Law>
+    {
+        IsolatedContact& l = g.isolated_contact;
+        ContactPair<Law>& q = l.pair;
+        const bool wall = q.second < 0;
+        const double approach = -dot(touch.velocity, touch.normal),
+                     separation = dot(end.velocity, end.normal);
+        const double r = wall ? 0.0 : q.contact_distance - end.compression;
+        const double left = end.compression * (wall ? 1.0 : q.contact_distance + r);
+        const double along = wall ? 0.5 * separation : r * separation;
+        const double square = along * along + (wall ? 0.0 : dot(end.velocity, end.velocity) * left);
+        if (!(separation > 0.0)) return false;
+        const double opening = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
+        l.span = end.duration + opening;
+        g.compression =
+            greatest / (wall ? l.before[0].radius : math::min(l.before[0].radius, l.before[1].radius));
+        separate_with_friction(g, after, end, opening, box_.gravity);
+        q.impact_speed = approach;
+        l.contact = {0, paths_.now, paths_.now + end.duration, approach, separation, false};
+        rub(l, touch, end, wall ? touch.arm : r, paths_.rotations);
+        l.virial = virial;
+        const Vector3 turned = end.normal - touch.normal;
+        const double half = math::min(0.5 * math::sqrt(dot(turned, turned)), 1.0);
+        const double rotation = wall ? 0.0 : 2.0 * half * (1.0 + half * half);  // at least the angle
+        const double cone = rotation + steepest, per_cosine = 1.0001 / (1.0 - 0.5 * cone * cone);
+        double off = 0.0;  // along the normal
+        for (std::size_t k = 0; k < 3; ++k)
+            off += (end.shift[k] - end.duration * end.velocity[k]) * touch.normal[k];
+        l.deviation = per_cosine * math::abs(off);
+        l.rotation = math::sin(cone);
+        for (std::size_t k = 0; k < 3; ++k) l.initial_offset[k] = l.deviation * touch.normal[k];
+        const Vector3 v = touch.velocity;
+        const double share =
+            wall ? 1.0
+                 : math::max(l.before[0].mass, l.before[1].mass) / (l.before[0].mass + l.before[1].mass);
+        const double tangential = math::sqrt(dot(v, v) - approach * approach);
+        return cone < largest_cone && g.compression < deepest_compression &&
+               l.span * (approach + tangential) <= limits_.largest_displacement &&
+               share * l.deviation <= limits_.largest_safety_radius;
+    }
+    static constexpr double largest_cone = 1.3;
     // Whether all members stay away from all other walls. A member is enlarged by its safety radius on its outgoing
     // parabola, which is closest to a wall at one of its ends or at its vertex.
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const {

@@ -24,6 +24,15 @@ struct alignas(64) BodyEvents : PendingEvents {
 };
 static_assert(sizeof(BodyEvents) == 64);
 
+// What an isolated contact with friction keeps.
+template <class Law>
+struct IsolatedSurfaces {};
+template <FrictionalLaw Law>
+struct IsolatedSurfaces<Law> {
+    Vector3 spin[2];  // of the members at the end [rad/s]
+    double rubbed;    // taken by the tangential force [J]
+};
+
 // A contact that no third body disturbs. In a large box each cache line read waits for memory. The first line holds the
 // data for the end of the contact, the second the data needed when another body comes near.
 template <class Law>
@@ -40,6 +49,7 @@ struct IsolatedContact {
     Member before[2];
     ContactPair<Law> pair;
     EndedContact contact;
+    [[no_unique_address]] IsolatedSurfaces<Law> surfaces;
 };
 
 template <class Law>

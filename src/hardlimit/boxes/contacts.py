@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..contact import compression
+from ..contact.balls import Ball
 from ..contact.contact import Law
 from ..contact.contact import checked_law as checked_contact_law
 from ..support import validation
-from .box import Floats
+from ..support.formatting import listed
+from .box import AXES, Floats
 from .system import ParticleSystem
 
 Indices = NDArray[np.int64]
@@ -30,6 +32,11 @@ MAX_KINDS: Final = 6
 def checked_law(law: Any, smooth: str = "") -> Law:
     """``law``, if it is one; ``smooth`` names what refuses a law with friction."""
     return checked_contact_law(law, smooth)
+
+
+def rubs(law: Law) -> bool:
+    """Whether grains under a law have friction."""
+    return law.friction is not None and law.friction.coefficient > 0.0
 
 
 def checked_system(system: Any) -> ParticleSystem:
@@ -53,6 +60,14 @@ def contact(law: Law, mass: float, radius: float) -> _core.Contact:
 def mean_contact(system: ParticleSystem, law: Law) -> _core.Contact:
     """The contact of two particles of mean mass and radius."""
     return contact(law, 0.5 * float(system.mass.mean()), 0.5 * float(system.radius.mean()))
+
+
+def mean_grain(system: ParticleSystem) -> Ball:
+    """A particle of mean mass, radius and inertia factor."""
+    factor = system.inertia / (system.mass * system.radius**2)
+    return Ball(
+        float(system.radius.mean()), mass=float(system.mass.mean()), inertia_factor=float(factor.mean())
+    )
 
 
 def _unique_pairs(first: Floats, second: Floats) -> tuple[Floats, Indices]:
@@ -96,6 +111,17 @@ def impact_temperature(system: ParticleSystem) -> float:
     if "wall" in system.boundary:
         return 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
     return system.granular_temperature
+
+
+def refuse_fall_past_walls(system: ParticleSystem, has_friction: bool) -> None:
+    """Refuse walls with friction past which all particles fall: runs are computed in the frame that falls with them, in
+    which these walls would be at rest."""
+    if has_friction and "wall" in system.boundary and system.domain.common_fall.any():
+        axes = [axis for axis, g in zip(AXES, system.domain.common_fall.tolist(), strict=False) if g]
+        raise ValueError(
+            f"gravity: got a component along the periodic {listed(axes, 'and')}, must be none with friction at walls; "
+            "take walls along this axis, too"
+        )
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:

@@ -13,7 +13,7 @@ from ..contact.contact import Law
 from ..support import validation
 from . import time_step
 from .box import AXES
-from .contacts import impact_temperature, mean_contact
+from .contacts import impact_temperature, mean_contact, rubs
 from .falling_frame import engine_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
@@ -56,6 +56,8 @@ def estimated(
 
     The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
+    if rubs(law):
+        return Choice("steps", "with friction a contact costs less by steps")
     try:
         check_box(system)
     except ValueError as error:

@@ -19,8 +19,9 @@ from .observe import Observed
 from .pace import ProgressNote
 from .result import COLLISIONS, CONTACTS, RUBBING, Column, ContactResult, EarlyEnd, Log, ParticleResult
 from .rules import Settings, law_entry, law_from
+from .spins import AXES_OF_ROTATION
 from .system import ParticleSystem
-from .thermostats import Andersen
+from .thermostats import Andersen, refuse_rotational
 
 
 def _sampled(engines: str) -> tuple[str, ...]:
@@ -36,6 +37,7 @@ OF_LAMMPS: Final = (
     *("time", "kinetic_energy", "potential_energy", "dissipated_energy", "granular_temperature", "momentum"),
     *("kinetic_tensor", "virial_tensor", "n_pairs", "flow_momentum", "shear_work", "contact_energy"),
     *("n_contacts", "n_ended", "n_overlapped", "n_in_contact"),
+    *("rotational_energy", "tangential_energy", "spin"),
 )
 #: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
@@ -122,6 +124,8 @@ class Engine:
             own["time_step"] = time_step
         own |= spin_arguments(system)
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
+        if not compiled.rotates:
+            refuse_rotational(system.thermostat)
         return cls(name, system, settings, compiled, system.mass @ system.positions)
 
     # --- running --------------------------------------------------------------------------------------------
@@ -179,7 +183,7 @@ class Engine:
         return math.inf if thermostat is None else thermostat.time(self.kicks + 1)
 
     def _kick(self) -> None:
-        # A contiguous array and no BLAS: sums have the same bits after a checkpoint.
+        # Contiguous arrays and no BLAS: sums have the same bits after a checkpoint.
         thermostat, mass = self.system.thermostat, np.ascontiguousarray(self.system.mass)
         assert thermostat is not None
         positions, unfolded = map(np.asarray, self.compiled.state())
@@ -187,7 +191,20 @@ class Engine:
         self.system.domain.fold(positions, before, self.time)
         after = np.ascontiguousarray(thermostat.velocities(self.kicks + 1, before, mass))
         heat = 0.5 * float((mass[:, None] * ((after - before) * (after + before))).sum())
-        self.compiled.kick(after + (unfolded - before), heat)
+        turning = None
+        if thermostat.rotational is not None:
+            turning, gained = self._turned(thermostat, mass)
+            heat += gained
+        self.compiled.kick(after + (unfolded - before), heat, turning)
+
+    def _turned(self, thermostat: Any, mass: Floats) -> tuple[Floats, float]:
+        """Spins of the core after the next kick, and the energy that they gain [J]."""
+        inertia, axes = np.ascontiguousarray(self.system.inertia), AXES_OF_ROTATION[self.system.dimension]
+        rows = np.asarray(self.compiled.spins())
+        before = rows[:, 3 - axes :].copy()
+        turning = thermostat.spins(self.kicks + 1, before, inertia, mass)
+        rows[:, 3 - axes :] = turning
+        return rows, 0.5 * float((inertia[:, None] * ((turning - before) * (turning + before))).sum())
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
         """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""

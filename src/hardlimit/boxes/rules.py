@@ -12,7 +12,7 @@ from ..contact.contact import Law
 from ..contact.friction import Friction
 from ..contact.laws import LAWS
 from ..support import validation
-from .contacts import checked_law
+from .contacts import checked_law, rubs
 
 
 class Rule(NamedTuple):
@@ -83,6 +83,11 @@ class Settings:
     friction: float | None = None  #: coefficient of friction μ; None without, and if a law gives it
     tangential_restitution: float | None = None  #: β without sliding; None without ``friction``
 
+    @property
+    def has_friction(self) -> bool:
+        """Whether collisions change spins."""
+        return bool(self.friction) or (self.law is not None and rubs(self.law))
+
     def report(self) -> str:
         """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``."""
         parts = [self.rule]
@@ -141,10 +146,12 @@ def _checked_friction(
         return None, None
     if missing:
         raise ValueError(
-            f"{missing[0]}: missing, must be given with {next(n for n in both if n not in missing)}"
+            f"{missing[0]}: missing, must be given with {next(n for n in both if n not in missing)}="
         )
     limits = {"lowest_allowed": True, "highest_allowed": True}
-    coefficient = validation.number("friction", friction, 0.0, math.inf, **limits)
+    coefficient = math.inf
+    if not (isinstance(friction, float) and friction == math.inf):
+        coefficient = validation.number("friction", friction, 0.0, lowest_allowed=True)
     return coefficient, validation.number(
         "tangential_restitution", tangential_restitution, -1.0, 1.0, **limits
     )

@@ -125,8 +125,10 @@ class ParticleSystem:
     shear_rate: float  #: of a Lees–Edwards boundary [1/s]
     shear_displacement: float  #: of the images beyond its far side, in [0, edge) [m]
     #: (N, 3), in 2-D (N,) [rad/s]; None unless it or ``inertia_factor`` was given, or friction acts in the run
-    angular_velocities: Floats | None
-    inertia_factor: Floats | None  #: (N,), q of the moment of inertia q m R²; None without angular velocities
+    angular_velocities: Floats | None = None
+    inertia_factor: Floats | None = (
+        None  #: (N,), q of the moment of inertia q m R²; None without angular velocities
+    )
 
     _unfolded = None  # positions along the unfolded paths (N, d) [m], in a state of a run
 
@@ -286,7 +288,7 @@ class ParticleSystem:
         seed : int
             The same seed gives the same bits. Spins change none of the other values.
         rms_spin : float or "equal", optional [rad/s]
-            Root mean square of |ω|; the sample has exactly this value, and the same mean rotational energy for small
+            Root mean square of ω; the sample has exactly this value, and the same mean rotational energy for small
             and large particles. The total is not zero, because friction does not conserve it. ``"equal"``: the
             rotational temperature is the granular temperature. In a sheared box these are spins relative to the
             rotation of the mean flow, half of its vorticity (−shear_rate/2 about z with the gradient along y), which is

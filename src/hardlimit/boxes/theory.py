@@ -362,7 +362,7 @@ class RotatingGas:
     """A homogeneous gas of particles that rotate; returned by :meth:`Gas.rotating`.
 
     T = ⟨v_x²⟩ and T_r = (I/m)⟨ω_x²⟩ [m²/s²]; θ = T_r/T is the temperature ratio. Velocities and spins are taken as
-    Maxwellian and uncorrelated.
+    Maxwellian and uncorrelated, which makes θ 1 to 5 % too large at ε = 0.9.
 
     Notes
     -----
@@ -439,7 +439,9 @@ class RotatingGas:
 
         Rough spheres have one, θ = h + √(1 + h²), h = (1 + q)/(2q(1 + β)) [(1 + q)(1 − ε²)/(1 + β) − (1 − q)(1 − β)]
         (Huthmann & Zippelius 1997). With friction there may be a second, unstable one, beyond which T_r/T grows without
-        bound, or none at all (Herbst, Huthmann & Zippelius 2000). Ratios are searched from 1e-12 to 1e12.
+        bound, or none at all (Herbst, Huthmann & Zippelius 2000). With friction a state lasts for tens of collisions of
+        each particle, until a few that keep their spins hold most of the rotational energy (:doc:`/theory`). Ratios are
+        searched from 1e-12 to 1e12.
 
         Raises
         ------
@@ -470,7 +472,7 @@ class RotatingGas:
     def heated_temperature(self, power: float) -> float:
         """T [m²/s²] of a gas heated by white noise on its velocities: its dissipation equals the power.
 
-        (ν/2) N m T |ΔE| = power at :meth:`heated_temperature_ratio`, where the loss along the normal, 1 − ε², has the
+        (ν/2) N m T (−ΔE) = power at :meth:`heated_temperature_ratio`, where the loss along the normal, 1 − ε², has the
         factor 1 + 3a₂/16 of :meth:`Gas.heated_temperature`, which this is for smooth particles.
 
         Parameters

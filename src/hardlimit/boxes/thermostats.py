@@ -1,9 +1,10 @@
-"""Thermostats, which change the velocities of all particles at equal intervals: random kicks, and Andersen's."""
+"""Thermostats, which change the velocities of all particles, and their spins, at equal intervals: random kicks, and
+Andersen's."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -21,13 +22,29 @@ SUBDIVISION: Final = 20
 BETWEEN_RUNS: Final = "run in pieces and change the velocities between them with ParticleSystem.replace"
 
 
-@dataclass(frozen=True)
+#: Added to the seed of spins. Seeds of users are smaller, so that spins and velocities have different random numbers.
+OF_SPINS: Final = 2**63
+
+
+@dataclass(frozen=True, repr=False)
 class Thermostat:
     """What all thermostats have in common. Random numbers depend on the seed and the number of the kick only."""
 
     interval: float  #: between two kicks [s]
     seed: int
     kicks: int  #: number of kicks before the run, as in the result of a run that has been continued
+
+    def __repr__(self) -> str:
+        values = [(field.name, getattr(self, field.name)) for field in fields(self)]
+        shown = ", ".join(f"{name}={value!r}" for name, value in values if value is not None)
+        return f"{type(self).__name__}({shown})"
+
+    def values(self) -> dict[str, Any]:
+        """The parameters by name, without ``rotational`` if the thermostat does not act on spins.
+
+        :meta private:
+        """
+        return {name: value for name, value in vars(self).items() if value is not None}
 
     def time(self, kick: int) -> float:
         """Time of a kick in a run [s].
@@ -46,13 +63,13 @@ class Thermostat:
         """
         return replace(self, kicks=self.kicks + kicks)
 
-    def _random(self, kick: int, n: int, normal: bool) -> Floats:
+    def _random(self, kick: int, n: int, normal: bool, seed: int = 0) -> Floats:
         stream = 2 * (self.kicks + kick) + normal
-        return np.asarray(_core.random_numbers(self.seed, stream, n, normal))
+        return np.asarray(_core.random_numbers(self.seed + seed, stream, n, normal))
 
 
 @validation.sealed(BETWEEN_RUNS)
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class RandomKicks(Thermostat):
     """White noise, which heats a gas with a constant power.
 
@@ -62,10 +79,14 @@ class RandomKicks(Thermostat):
     Parameters
     ----------
     power : float [W]
-        Mean power of all kicks together.
+        Mean power of all kicks on velocities together. May be 0 with ``rotational``.
     interval : float [s]
         Short compared with the mean time between collisions of a particle, so that kicks act as noise. Each kick costs
         about as much as a collision of each particle.
+    rotational : float, optional [W]
+        Mean power of further kicks on the spins: each particle gets a normally distributed change of its angular
+        velocity at the same times, the same distribution for all. Their total changes. For runs with friction; without,
+        spins would never act on velocities, and the run is refused. By default only friction changes spins.
     seed : int
         The same seed gives the same kicks, under every engine.
     kicks : int
@@ -79,7 +100,7 @@ class RandomKicks(Thermostat):
     Notes
     -----
     D. R. M. Williams and F. C. MacKintosh, Phys. Rev. E 54, R9 (1996); T. P. C. van Noije and M. H. Ernst, Granular
-    Matter 1, 57 (1998).
+    Matter 1, 57 (1998). Kicks on spins: R. Cafiero, S. Luding and H. J. Herrmann, Europhys. Lett. 60, 854 (2002).
 
     Examples
     --------
@@ -88,14 +109,25 @@ class RandomKicks(Thermostat):
     """
 
     power: float  #: [W]
+    rotational: float | None = None  #: [W]
 
-    def __init__(self, power: float, interval: float, *, seed: int = 0, kicks: int = 0) -> None:
+    def __init__(
+        self,
+        power: float,
+        interval: float,
+        *,
+        rotational: float | None = None,
+        seed: int = 0,
+        kicks: int = 0,
+    ) -> None:
+        spinning = _checked_rotational(rotational)
         _set(
             self,
-            power=validation.number("power", power, 0.0, LARGEST),
+            power=validation.number("power", power, 0.0, LARGEST, lowest_allowed=bool(spinning)),
             interval=validation.number("interval", interval, 0.0, LARGEST),
             seed=validation.whole("seed", seed, 0, 2**63 - 1),
             kicks=validation.whole("kicks", kicks, 0, 2**60),
+            rotational=spinning,
         )
 
     def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
@@ -113,9 +145,21 @@ class RandomKicks(Thermostat):
         kicked: Floats = velocities + (change - (mass[:, None] * change).sum(axis=0) / total)
         return kicked
 
+    def spins(self, kick: int, spins: Floats, inertia: Floats, mass: Floats) -> Floats:
+        """The angular velocities after a kick, from those before it, (N, f) about f axes [rad/s].
+
+        With variances σ² of all components the mean energy gained is f σ² ΣI/2.
+
+        :meta private:
+        """
+        n, axes = spins.shape
+        assert self.rotational is not None
+        spread = math.sqrt(2.0 * self.rotational * self.interval / (axes * float(inertia.sum())))
+        return spins + spread * self._random(kick, n * axes, True, OF_SPINS).reshape(n, axes)
+
 
 @validation.sealed(BETWEEN_RUNS)
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Andersen(Thermostat):
     """Andersen's thermostat: particles collide with a heat bath at random times.
 
@@ -131,6 +175,10 @@ class Andersen(Thermostat):
     rate : float [1/s]
     interval : float [s], optional
         A twentieth of 1/``rate`` by default.
+    rotational : float, optional [m²/s²]
+        Rotational temperature T_r of the bath: each collision with it gives a new spin as well, each component with the
+        mean energy (mean mass)·T_r/2. A bath in equilibrium has T_r = ``temperature``. For runs with friction; without,
+        spins would never act on velocities, and the run is refused. By default only friction changes spins.
     seed : int
         ``seed`` and ``kicks`` as for :class:`RandomKicks`.
     kicks : int
@@ -157,9 +205,17 @@ class Andersen(Thermostat):
 
     temperature: float  #: [m²/s²]
     rate: float  #: [1/s]
+    rotational: float | None = None  #: [m²/s²]
 
     def __init__(
-        self, temperature: float, rate: float, *, interval: float | None = None, seed: int = 0, kicks: int = 0
+        self,
+        temperature: float,
+        rate: float,
+        *,
+        interval: float | None = None,
+        rotational: float | None = None,
+        seed: int = 0,
+        kicks: int = 0,
     ) -> None:
         often = validation.number("rate", rate, 0.0, LARGEST)
         chosen = 1.0 / (SUBDIVISION * often) if interval is None else interval
@@ -170,6 +226,7 @@ class Andersen(Thermostat):
             interval=validation.number("interval", chosen, 0.0, LARGEST),
             seed=validation.whole("seed", seed, 0, 2**63 - 1),
             kicks=validation.whole("kicks", kicks, 0, 2**60),
+            rotational=_checked_rotational(rotational),
         )
 
     def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
@@ -178,9 +235,30 @@ class Andersen(Thermostat):
         :meta private:
         """
         n, d = velocities.shape
-        hit = self._random(kick, n, False) < -math.expm1(-self.rate * self.interval)
         spread = np.sqrt(self.temperature * float(mass.mean()) / mass)[:, None]
-        return np.where(hit[:, None], spread * self._random(kick, n * d, True).reshape(n, d), velocities)
+        drawn = spread * self._random(kick, n * d, True).reshape(n, d)
+        return np.where(self._hit(kick, n)[:, None], drawn, velocities)
+
+    def spins(self, kick: int, spins: Floats, inertia: Floats, mass: Floats) -> Floats:
+        """The angular velocities after a kick, from those before it, (N, f) about f axes [rad/s].
+
+        :meta private:
+        """
+        n, axes = spins.shape
+        assert self.rotational is not None
+        spread = np.sqrt(self.rotational * float(mass.mean()) / inertia)[:, None]
+        drawn = spread * self._random(kick, n * axes, True, OF_SPINS).reshape(n, axes)
+        return np.where(self._hit(kick, n)[:, None], drawn, spins)
+
+    def _hit(self, kick: int, n: int) -> NDArray[np.bool_]:
+        """Which particles collide with the bath."""
+        return self._random(kick, n, False) < -math.expm1(-self.rate * self.interval)
+
+
+def _checked_rotational(rotational: Any) -> float | None:
+    if rotational is None:
+        return None
+    return validation.number("rotational", rotational, 0.0, LARGEST, lowest_allowed=True)
 
 
 def _set(thermostat: Any, **values: Any) -> None:
@@ -204,9 +282,18 @@ def checked_thermostat(thermostat: Any, n: int, sheared: bool = False) -> Any:
     return thermostat
 
 
+def refuse_rotational(thermostat: Any) -> None:
+    """Refuse a thermostat that acts on the spins of grains without friction."""
+    if thermostat is not None and thermostat.rotational is not None:
+        raise ValueError(
+            f"thermostat: got rotational={thermostat.rotational:g}, must be without in a run without friction, where "
+            "spins never act on velocities"
+        )
+
+
 def as_entry(thermostat: Any) -> dict[str, Any] | None:
     """A thermostat for files."""
-    return None if thermostat is None else {"kind": type(thermostat).__name__, **vars(thermostat)}
+    return None if thermostat is None else {"kind": type(thermostat).__name__, **thermostat.values()}
 
 
 def from_entry(entry: Any) -> Any:

@@ -171,11 +171,14 @@ def largest_speed(system: ParticleSystem) -> float:
 
 
 def heated_speed(system: ParticleSystem, law: Law, shear_heats: bool = True) -> float:
-    """The largest expected speed of a particle in the steady state of a thermostat or of shear [m/s]; 0 without."""
+    """The largest expected speed of a particle in the steady state of a thermostat or of shear [m/s]; 0 without.
+
+    Heat of spins counts as heat of velocities: friction transfers at most all of it.
+    """
     rate = system.shear_rate if shear_heats else 0.0
     heat, mean = system.thermostat, float(system.mass.mean())
-    temperature = heat.temperature if isinstance(heat, Andersen) else 0.0
-    power = 0.0 if heat is None or isinstance(heat, Andersen) else heat.power
+    temperature = max(heat.temperature, heat.rotational or 0.0) if isinstance(heat, Andersen) else 0.0
+    power = 0.0 if heat is None or isinstance(heat, Andersen) else heat.power + (heat.rotational or 0.0)
     if power or rate:  # a gas of mean particles, whose ε depends on its temperature
         size, volume, d = float(system.radius.mean()), float(np.prod(system.box)), system.dimension
         gas = Gas(system.n, size, mean, volume, d)

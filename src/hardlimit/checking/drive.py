@@ -35,6 +35,7 @@ class Drive:
     shear_rate: float | None = None
     bath: tuple[float, float] | None = None  #: temperature, or energy k_B T, and rate at which it is restored
     per_mass: bool = True  #: whether the bath has a temperature in m²/s², not an energy
+    spins: bool = False  #: whether a thermostat acts on spins as well
 
     def in_units(self, mass: float, length: float, time: float) -> Drive:
         """The same in units of these sizes."""
@@ -44,7 +45,7 @@ class Drive:
         if bath is not None:
             unit = (1.0 if self.per_mass else mass) * (length / time) ** 2
             bath = bath[0] / unit, bath[1] * time
-        return Drive(power, rate, bath, self.per_mass)
+        return Drive(power, rate, bath, self.per_mass, self.spins)
 
     @property
     def quantity(self) -> str:
@@ -131,6 +132,8 @@ class Drive:
             return "kinetic theory of shear is that of spheres"
         if self.shear_rate is not None and self.power is not None:
             return "kinetic theory of shear has no thermostat"
+        if self.spins:
+            return "kinetic theory has no thermostat of spins"
         return ""
 
 
@@ -160,10 +163,11 @@ def of_system(system: ParticleSystem) -> Drive | None:
     """The drive of a system; None without shear and thermostat."""
     thermostat = system.thermostat
     if isinstance(thermostat, Andersen):
-        return Drive(bath=(thermostat.temperature, thermostat.rate))
+        return Drive(bath=(thermostat.temperature, thermostat.rate), spins=thermostat.rotational is not None)
     power = thermostat.power / system.n if isinstance(thermostat, RandomKicks) else None
     shear_rate = abs(system.shear_rate) if system.shear_rate != 0.0 else None
-    return None if power is None and shear_rate is None else Drive(power, shear_rate)
+    spins = thermostat is not None and thermostat.rotational is not None
+    return None if power is None and shear_rate is None else Drive(power, shear_rate, spins=spins)
 
 
 # --- grains that rest, and shaken ones ------------------------------------------------------------------------

@@ -17,9 +17,30 @@ from ..fidelity_study import ENGINES, MODELS
 from ..fidelity_study import report as texts
 from ..support import machine, validation
 from ..support.formatting import digits
-from .gas_job import ALIASES, RESTITUTION, SAMPLES, START, UNTIL, GasJob, default_end, entry_of, make_job
+from .gas_job import (
+    ALIASES,
+    FRICTION,
+    RESTITUTION,
+    SAMPLES,
+    START,
+    UNTIL,
+    GasJob,
+    default_end,
+    entry_of,
+    make_job,
+)
 from .job import Entry, entry_options
-from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
+from .options import (
+    dpi_option,
+    friction_options,
+    json_option,
+    law_options,
+    law_text,
+    output_option,
+    picture,
+    with_friction,
+    writable,
+)
 from .printing import console, plain, print_files, print_json, show, table
 from .program import Command, goes_on_from, in_options, raise_all, write_files
 
@@ -35,6 +56,12 @@ ARGUMENTS: Final = (
         many=True,
     ),
     Entry("contact_duration", "Contact duration of the rule tc [s].  [default: that of the law]", unit="s"),
+    Entry(
+        "tangential_restitution",
+        "Tangential restitution β of the rules constant and tc without sliding.  [default: the one that stands for the "
+        "law in a gas]",
+        unit="1",
+    ),
     UNTIL,
     SAMPLES,
     Entry("engine", f"Engine for Newton’s equations: {' | '.join(ENGINES)}.  [default: auto]"),
@@ -50,7 +77,7 @@ ARGUMENTS: Final = (
     Entry("store", "File of finished replicas, from which the same command continues.", metavar="FILE"),
 )
 #: Entries of a job's table [event_driven] that this command uses.
-OF_A_JOB: Final = ("until", "samples", "contact_duration")
+OF_A_JOB: Final = ("until", "samples", "contact_duration", "tangential_restitution")
 
 
 @click.command(
@@ -61,6 +88,7 @@ OF_A_JOB: Final = ("until", "samples", "contact_duration")
 @click.argument("file", required=False, metavar="[FILE]")
 @entry_options(START)
 @law_options()
+@friction_options()
 @entry_options(ARGUMENTS)
 @output_option("--out", "Means and replicas as NetCDF.", "FILE.nc")
 @output_option("--plot", "Differences over time (png, pdf, …).")
@@ -123,13 +151,21 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
 def contact_law(job: GasJob) -> hl.Law:
     """The law of job and options; linear with default values if neither names a law."""
     name, parameters = job.law_option
-    if job.law is None and job.restitution is not None:
-        parameters = {"restitution": job.restitution} | parameters
+    friction = job.friction
+    if job.law is None:
+        parameters = {key: x for key, x in job.constant.items() if key != FRICTION} | parameters
+        friction = {key: x for key, x in job.constant.items() if key == FRICTION} | friction
+    elif FRICTION in job.constant:
+        raise ValueError(f"law | event_driven.{FRICTION}: got both, must be exactly one of them")
+    return with_friction(_smooth_law(job.law, name, parameters), friction)
+
+
+def _smooth_law(present: hl.Law | None, name: str | None, parameters: dict[str, Any]) -> hl.Law:
     defaults = {"stiffness": STIFFNESS, "restitution": RESTITUTION}
     linear = name in (None, hl.LinearDashpot.record["name"])
-    if job.law is None and linear and parameters.keys() <= defaults.keys():
+    if present is None and linear and parameters.keys() <= defaults.keys():
         return hl.LinearDashpot(**(defaults | parameters))
-    return files.changed_law(job.law, name, parameters)
+    return files.changed_law(present, name, parameters)
 
 
 # --- output -------------------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ from .options import (
     dpi_option,
     friction_options,
     json_option,
+    law_mapping,
     law_options,
     law_text,
     output_option,
@@ -271,7 +272,7 @@ def print_usual(out: Any, pair: Contact, usual: dict[str, float]) -> None:
 def as_mapping(pair: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
     return {
-        "law": {"name": pair.law.record["name"], **pair.law.parameters, **friction_mapping(pair.law)},
+        "law": law_mapping(pair.law),
         "effective_mass": pair.effective_mass,
         "effective_radius": pair.effective_radius,
         **{c["name"]: float(getattr(pair, c["name"])) for c in pair.law.record["constants"]},
@@ -284,11 +285,6 @@ def as_mapping(pair: Contact, speeds: Any, depth: Any, usual: dict[str, float] |
 
 
 # --- friction -----------------------------------------------------------------------------------------------
-
-
-def friction_mapping(law: Law) -> dict[str, Any]:
-    """The friction of a law by its name, if there is one."""
-    return {} if law.friction is None else {"friction": law.friction.to_dict()}
 
 
 def friction_speeds(pair: Contact, speeds: Floats) -> Floats:

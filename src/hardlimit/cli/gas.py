@@ -24,6 +24,7 @@ from ..boxes.error_law import softness
 from ..boxes.hard_spheres import NAME as HARD_SPHERES
 from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
+from ..boxes.result import at_the_end
 from ..boxes.rules import checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
@@ -33,7 +34,17 @@ from ..support.formatting import digits, listed
 from .compare import compare
 from .gas_job import ALIASES, OUTPUT, RUN, START, GasJob, checked_outputs, default_end, make_job
 from .job import Entry, entry_options
-from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
+from .options import (
+    dpi_option,
+    friction_options,
+    json_option,
+    law_mapping,
+    law_options,
+    law_text,
+    options,
+    output_option,
+    spelled,
+)
 from .printing import console, plain, print_json, print_outcome, sentence, show, table
 from .program import Command, in_options, no_such_command, notes, raise_all, write_files
 
@@ -65,7 +76,9 @@ newton_options = options(
     ),
 )
 #: Options that have no meaning for Newton's equations.
-HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
+HARD_SPHERES_ONLY = ("rule", "contact_duration", "tangential_restitution", "max_collisions")
+#: Arguments that make a rule, in the order of ``checked_settings``.
+RULE_ARGUMENTS = ("law", "restitution", "rule", "contact_duration", "friction", "tangential_restitution")
 FRAMES = ("out", "animate")
 ENDS = ("until", "max_collisions")
 PICTURES = ("plot", *FRAMES)
@@ -117,6 +130,7 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 @click.argument("file", required=False, metavar="[FILE]", shell_complete=completions)
 @entry_options(START)
 @law_options()
+@friction_options()
 @entry_options(RUN)
 @output_option("--resume", "Checkpoint of a run to continue.")
 @newton_options
@@ -129,8 +143,9 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     FILE is a job (.toml) or a state to start from (.xyz, .gsd, .data). Without a file, 1000 spheres of radius 1 mm and
     density 2500 kg/m³ start at random in a periodic box with a packing fraction of 0.3 and a restitution of 0.9. With
     --restitution alone, all collisions have this ε; with the parameters of a contact law, ε depends on the pair and
-    the impact speed. With --engine, Newton's equations are solved for this law instead. Results of equal spheres come
-    with the predictions of kinetic theory. Numbers may have a unit, such as 1mm.
+    the impact speed. With --engine, Newton's equations are solved for this law instead. With --friction, grains rub and
+    spin: collisions that do not slide have the --tangential-restitution, or what the contact law gives. Results of
+    equal spheres come with the predictions of kinetic theory. Numbers may have a unit, such as 1mm or 2/7.
 
     hardlimit gas compare solves one start under Newton's equations and each collision rule.
     """
@@ -191,7 +206,7 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
         refuse_frames_without_end(job.outputs, job.run.get("until"))
     # Arguments are checked before the start is made, which takes minutes for a million particles.
     settings = rule | job.run
-    checked_settings(*(settings.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
+    checked_settings(*(settings.get(name) for name in RULE_ARGUMENTS))
     checked_end(settings.get("until"), settings.get("max_collisions"))
     start = job.start()
     if "max_collisions" not in job.run:
@@ -243,6 +258,7 @@ class Frames:
         self._goes_on, self._before = run.checkpoint is not None, run.before
         self._append: Callable[[Any], None] | None = None
         self._snapshots: list[Any] = []
+        self._directions: Any = None  # of the marks in the film
         self._open = ExitStack()
         self.begun = bool(run.before)  #: whether the trajectory has frames
         self.failure: OSError | None = None  #: why the trajectory ends early
@@ -271,7 +287,9 @@ class Frames:
         if self._film is not None:
             from ..plots import grain_film
 
-            self._snapshots.append(grain_film.Snapshot.of(time, system))
+            self._directions = self._directions or grain_film.Directions()
+            directions = self._directions.at(time, system)
+            self._snapshots.append(grain_film.Snapshot.of(time, system, directions))
         return {}
 
     def check(self, _: Path) -> None:
@@ -436,8 +454,8 @@ def predictions(result: hl.ParticleResult) -> dict[str, float]:
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
         values[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
-        cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
-        values["granular temperature at the end [m²/s²]"] = cooled
+        cooling = result.cooling_of_theory()
+        values |= {at_the_end(name): float(expected[-1]) for name, expected in cooling.items()}
     return values
 
 
@@ -455,7 +473,11 @@ def note(result: hl.ParticleResult) -> str:
     names = ["Enskog’s rate"]
     if e is not None:
         authors = "Carnahan and Starling" if result.system.dimension == 3 else "Henderson"
-        names += [f"{authors}’s pressure", *(["Haff’s law"] if e < 1.0 else [])]
+        names.append(f"{authors}’s pressure")
+        if result.settings.has_friction:
+            names.append("the cooling of grains that rub (Herbst, Huthmann & Zippelius 2000)")
+        elif e < 1.0:
+            names.append("Haff’s law")
     return (
         f"Theory: {listed(names)}, with the measured temperatures in rate and pressure. A random start is not in "
         f"equilibrium: expect differences during the first {theory.RELAXED} collisions per particle."
@@ -477,8 +499,8 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
         law, names = result.law, NEWTON_NUMBERS
     else:
         settings, law, names = result.settings, result.settings.law, HARD_SPHERES_NUMBERS
-        content |= {name: getattr(settings, name) for name in ("rule", "restitution", "contact_duration")}
-    content |= {"law": None if law is None else {"name": law.record["name"], **law.parameters}}
+        content |= {name: getattr(settings, name) for name in RULE_ARGUMENTS[1:]}
+    content |= {"law": None if law is None else law_mapping(law)}
     content |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
     if not isinstance(result, hl.ContactResult):
         content["theory"] = predictions(result)

@@ -21,11 +21,21 @@ from ..column import files as columns
 from ..support import toml, units, validation
 from ..support.formatting import listed
 from .job import Entry, changed, table_of
-from .options import film, picture, take_law, writable
+from .options import (
+    FRICTION_UNITS,
+    film,
+    picture,
+    take_friction_values,
+    take_law,
+    with_friction,
+    writable,
+)
 
 #: The default start: glass beads.
 GLASS_BEADS: Final = {"n": 1000, "packing_fraction": 0.3, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
 RESTITUTION: Final = 0.9
+#: The option, and the key of a table, for μ.
+FRICTION: Final = "friction"
 #: Collisions per particle, at the initial rate, in a run whose end is not given.
 COLLISIONS: Final = 20
 
@@ -48,6 +58,18 @@ START: Final = (
     _start("radius", "Radius [m]; give it twice for the limits of a uniform distribution.", "m", many=True),
     _start("density", "Density [kg/m³].", "kg/m3"),
     _start("rms_speed", "Root mean square of the initial speeds [m/s].", "m/s"),
+    Entry(
+        "rms_spin",
+        "Root mean square of the initial angular velocities [rad/s], or equal: as much energy for each axis of "
+        "rotation as for each of motion.  [default: no spin]",
+        "rad/s",
+        word="equal",
+    ),
+    Entry(
+        "inertia_factor",
+        "Moment of inertia of the particles over m R².  [default: 0.4 for spheres, 0.5 for disks]",
+        "1",
+    ),
     _start("dimension", "Dimension: 3 for spheres, 2 for disks.", kind=int),
     _start("seed", "Seed of the random start; the same seed gives the same start.", kind=int),
     _start("boundary", f"Boundary: {' | '.join(BOUNDARIES)}; repeat it for each axis.", many=True),
@@ -64,6 +86,8 @@ START: Final = (
 )
 OF_SHAKING: Final = ("shake", "wall", "waveform")
 OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "shear", "heat")
+#: What may change in a start from a file.
+OF_A_FILE: Final = (*OF_THE_BOX, "inertia_factor")
 #: Options that stand for arguments of Python in messages.
 ALIASES: Final = {
     **dict.fromkeys(("path", "file"), "FILE"),
@@ -82,6 +106,11 @@ UNTIL: Final = Entry(
 RUN: Final = (
     Entry("rule", f"Collision rule: {' | '.join(RULES)}.  [default: constant, or law with a contact law]"),
     Entry("contact_duration", "Contact duration of the rule tc [s].", unit="s"),
+    Entry(
+        "tangential_restitution",
+        "Tangential restitution β of collisions that do not slide, with --friction and without a contact law.",
+        unit="1",
+    ),
     UNTIL,
     Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),
     SAMPLES,
@@ -105,12 +134,28 @@ OUTPUT: Final = (
         "animate", "Film (gif; mp4 with the extra hardlimit[film]); spheres in cross section.", metavar="FILE"
     ),
 )
+#: Entries of the table [event_driven] that make the rule for all collisions, with the tangential restitution.
+CONSTANT: Final = ("restitution", "friction")
+
+
+def law_table(name: str, content: Any) -> hl.Law:
+    """Check the table of a law, which may have friction, by the names of the options."""
+    own, rubbing = content, {}
+    if isinstance(content, dict):
+        rubbing = {key: content[key] for key in content if key in FRICTION_UNITS}
+        own = {key: content[key] for key in content if key not in rubbing}
+    law = columns.law_table(name, own)
+    kinds = {key: toml.text if unit is None else toml.quantity(unit) for key, unit in FRICTION_UNITS.items()}
+    values = toml.table(name, rubbing, kinds)
+    return columns.prefixed(f"{name}.", lambda: with_friction(law, values))
+
+
 #: The keys of a job file.
 KINDS: Final[Mapping[str, toml.Kind]] = {
     "start": toml.text,
     "random": table_of(START),
-    "law": columns.law_table,
-    "event_driven": table_of(RUN, {"restitution": toml.quantity("1")}),
+    "law": law_table,
+    "event_driven": table_of(RUN, {name: toml.quantity("1") for name in CONSTANT}),
     "output": table_of(OUTPUT),
 }
 
@@ -129,7 +174,7 @@ def read(file: str | None) -> dict[str, Any]:
     content = toml.read(file)
     tables = columns.prefixed(f"{file}: ", lambda: toml.table("", content, KINDS))
     if "start" in tables:
-        if tables.get("random", {}).keys() - set(OF_THE_BOX):
+        if tables.get("random", {}).keys() - set(OF_A_FILE):
             raise ValueError(f"{file}: start | random: got both, must be at most one of them")
         tables["start"] = str(Path(file).parent / tables["start"])
     return tables
@@ -142,8 +187,9 @@ class GasJob:
     file: str | None  #: particles to start from; None for a random start
     random: dict[str, Any]  #: arguments of ``ParticleSystem.random``, or changes of the box of a file
     law: hl.Law | None  #: of the job file
-    restitution: float | None  #: of the job file, for all collisions
+    constant: dict[str, Any]  #: restitution and friction of the job file, for all collisions
     law_option: tuple[str | None, dict[str, Any]]  #: name and parameters of the law in the options
+    friction: dict[str, Any]  #: options of friction
     run: dict[str, Any]  #: arguments of the solver
     outputs: dict[str, Path | None]  #: "out", "save", "plot" and "animate"
 
@@ -159,7 +205,7 @@ class GasJob:
             arguments |= shear(rate, sides, arguments.get("boundary", ["periodic"] * d))
             return heated(hl.ParticleSystem.random(**arguments, progress=not changes), power)
         for name in settings:
-            if name not in OF_THE_BOX:
+            if name not in OF_A_FILE:
                 raise ValueError(f"{name}: must be left out with a start from a file")
         system = hl.ParticleSystem.read(self.file)
         sides = settings.get("boundary")
@@ -174,33 +220,47 @@ class GasJob:
     def contact_law(self) -> hl.Law | None:
         """The law of the job file, changed by the options; None if there is neither."""
         name, parameters = self.law_option
-        if name is None and not parameters:
-            return self.law
-        return columns.changed_law(self.law, name, parameters)
+        if name is None and not parameters and self.law is None:
+            return None
+        return with_friction(columns.changed_law(self.law, name, parameters), self.friction)
 
     def rule(self) -> dict[str, Any]:
-        """The argument ``law`` or ``restitution`` of :func:`hardlimit.event_driven`."""
+        """The argument ``law``, or those of a constant rule, of :func:`hardlimit.event_driven`."""
         name, parameters = self.law_option
-        if self.law is not None and self.restitution is not None:
-            raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
+        for key in self.constant:
+            if self.law is not None:
+                raise ValueError(f"law | event_driven.{key}: got both, must be exactly one of them")
         if name is not None or self.law is not None or parameters.keys() - {"restitution"}:
+            self._refuse_friction_of_rule()
             return {"law": self.contact_law()}
-        epsilon = RESTITUTION if self.restitution is None else self.restitution
-        return {"restitution": parameters.get("restitution", epsilon)}
+        for key, value in self.friction.items():
+            if key != FRICTION:
+                shown = validation.shown(value)
+                raise ValueError(f"{key}: got {shown}, must be left out without a contact law")
+        coefficient = {key: value for key, value in self.friction.items() if key == FRICTION}
+        return {"restitution": RESTITUTION} | self.constant | parameters | coefficient
+
+    def _refuse_friction_of_rule(self) -> None:
+        """Refuse friction of the constant rule in a job file whose options give a law."""
+        if FRICTION in self.constant:
+            raise ValueError(
+                "event_driven.friction: must be left out with a contact law, whose friction --friction gives"
+            )
 
 
 def make_job(file: str | None, params: dict[str, Any]) -> GasJob:
     """The job of a file, or of glass beads without a file, changed by the options, which are taken out of
     ``params``."""
-    law = take_law(params)
+    law, friction = take_law(params), take_friction_values(params)
     tables = read(file)
     run = changed(tables.get("event_driven", {}), RUN, params)
     return GasJob(
         file=tables.get("start"),
         random=changed(tables.get("random", {}), START, params),
         law=tables.get("law"),
-        restitution=run.pop("restitution", None),
+        constant={name: run.pop(name) for name in CONSTANT if name in run},
         law_option=law,
+        friction=friction,
         run=run,
         outputs=checked_outputs(changed(tables.get("output", {}), OUTPUT, params)),
     )

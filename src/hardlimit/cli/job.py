@@ -23,10 +23,11 @@ class Entry:
     many: bool = False  #: a list in the table, or an option that may be repeated
     option: str = ""  #: the option, if it has another name than the entry
     metavar: str | None = None  #: of the option in its help
+    word: str = ""  #: accepted in place of a quantity
 
     def as_option(self) -> Callable[[F], F]:
         """The option."""
-        kind = self.kind if self.unit is None else Quantity(self.unit)
+        kind = self.kind if self.unit is None else Quantity(self.unit, self.word)
         option = self.option or spelled(self.name)
         return click.option(
             option, self.name, type=kind, multiple=self.many, help=self.help, metavar=self.metavar
@@ -37,7 +38,23 @@ class Entry:
         kind: toml.Kind = toml.whole if self.kind is int else toml.text
         if self.unit is not None:
             kind = toml.quantity(self.unit)
+        if self.word:
+            kind = _or_word(kind, self.word)
         return toml.one_or_list_of(kind)(name, value) if self.many else kind(name, value)
+
+
+def _or_word(kind: toml.Kind, word: str) -> toml.Kind:
+    """A check that accepts a word, too."""
+
+    def check(name: str, value: Any) -> Any:
+        if value == word:
+            return value
+        try:
+            return kind(name, value)
+        except ValueError as error:
+            raise ValueError(f"{error}, or {word!r}") from None
+
+    return check
 
 
 def entry_options(entries: Iterable[Entry]) -> Callable[[F], F]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,17 +21,22 @@ F = TypeVar("F", bound=Callable[..., Any])
 class Quantity(click.ParamType[Any]):
     """A number in the SI unit of the option, or a number with a unit such as ``1mm``.
 
-    Its range is checked by the function that gets it.
+    Its range is checked by the function that gets it. A ``word`` may stand for the number.
     """
 
     name = "number"
 
-    def __init__(self, unit: str = "1") -> None:
-        self.unit = unit
+    def __init__(self, unit: str = "1", word: str = "") -> None:
+        self.unit, self.word = unit, word
 
     def read(self, option: str, text: str) -> Any:
         """The value of the text that the user typed after ``option``."""
-        return units.number(option, text, self.unit)
+        if self.word and text == self.word:
+            return text
+        try:
+            return units.number(option, text, self.unit)
+        except ValueError as error:
+            raise ValueError(f"{error}, or {self.word}" if self.word else str(error)) from None
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         try:
@@ -143,6 +148,12 @@ def law_text(law: Law) -> str:
     return f"{law.record['name']} law: {', '.join([*parts, *_friction_parts(law)])}"
 
 
+def law_mapping(law: Law) -> dict[str, Any]:
+    """A law as a mapping for JSON: name, parameters, and its friction if it has one."""
+    friction = {} if law.friction is None else {"friction": law.friction.to_dict()}
+    return {"name": law.record["name"], **law.parameters, **friction}
+
+
 def _friction_parts(law: Law) -> list[str]:
     """The friction of a law in symbols."""
     if law.friction is None:
@@ -165,6 +176,23 @@ FRICTION_OPTIONS = {
     "model": "friction_model",
     "limit": "limit",
 }
+#: Units of these options by name; None for words.
+FRICTION_UNITS = {
+    option: PARAMETERS[name]["unit"] if name in PARAMETERS else None
+    for name, option in FRICTION_OPTIONS.items()
+}
+#: What help says of their defaults.
+FRICTION_DEFAULTS = {
+    "coefficient": "",
+    "stiffness_ratio": "  [default: 2/7 for a spring, that of Mindlin for Hertz laws]",
+    "stiffness": "",
+    "damping_ratio": "  [default: 0]",
+    "damping": "",
+    "model": "  [default: spring; mindlin_rescale for Hertz laws]",
+    "limit": "  [default: total]",
+}
+#: Arguments of which only one is given.
+FRICTION_ALTERNATIVES = (("stiffness_ratio", "stiffness"), ("damping_ratio", "damping"))
 
 
 def friction_options() -> Callable[[F], F]:
@@ -173,7 +201,7 @@ def friction_options() -> Callable[[F], F]:
     for name, record in PARAMETERS.items():
         unit = f" [{record['unit']}]" if record["unit"] != "1" else ""
         option = FRICTION_OPTIONS[name]
-        text = f"{option.replace('_', ' ').capitalize()}: {record['meaning']}{unit}."
+        text = f"{option.replace('_', ' ').capitalize()}: {record['meaning']}{unit}.{FRICTION_DEFAULTS[name]}"
         decorators.append(click.option(spelled(option), option, type=Quantity(record["unit"]), help=text))
     words = {
         "model": (MODELS, "Tangential model."),
@@ -181,19 +209,36 @@ def friction_options() -> Callable[[F], F]:
     }
     for name, (choices, text) in words.items():
         option = FRICTION_OPTIONS[name]
+        text += FRICTION_DEFAULTS[name]
         decorators.append(click.option(spelled(option), option, type=click.Choice(list(choices)), help=text))
     return options(*decorators)
 
 
+def take_friction_values(params: dict[str, Any]) -> dict[str, Any]:
+    """Take the options of friction out of all options: those that were given."""
+    taken = {option: params.pop(option) for option in FRICTION_OPTIONS.values()}
+    return {option: value for option, value in taken.items() if value is not None}
+
+
 def take_friction(law: Law, params: dict[str, Any]) -> Law:
-    """Take the options of friction out of all options: the law with it, or without if none was given."""
-    taken = {name: params.pop(option) for name, option in FRICTION_OPTIONS.items()}
-    values = {name: value for name, value in taken.items() if value is not None}
-    if not values:
+    """The law with the options of friction, which are taken out of all options."""
+    return with_friction(law, take_friction_values(params))
+
+
+def with_friction(law: Law, options: Mapping[str, Any]) -> Law:
+    """The law with friction from the values of :data:`FRICTION_OPTIONS`, which change the friction that it has; without
+    values the same law."""
+    if not options:
         return law
+    values = {name: options[option] for name, option in FRICTION_OPTIONS.items() if option in options}
+    present = {} if law.friction is None else law.friction.to_dict()
+    for first, second in FRICTION_ALTERNATIVES:
+        for name, other in ((first, second), (second, first)):
+            if name in values and other not in values:
+                present.pop(other, None)
     try:
-        friction = Friction(**({"coefficient": 1.0} | values))
-        if "coefficient" not in values:
+        friction = Friction(**({"coefficient": 1.0} | present | values))
+        if "coefficient" not in present | values:
             option = spelled(FRICTION_OPTIONS[next(iter(values))])
             raise ValueError(f"coefficient: missing, must be given beside {option}")
         return law.replace(friction=friction)

@@ -20,10 +20,13 @@ Floats = NDArray[np.float64]
 #: Numbers that stand for infinity: a slope K of Coulomb's limit, and its square over λ(1 + β0)².
 STEEPEST: Final = 1e150
 LARGEST: Final = 1e300
-#: First panels of α in an adaptive quadrature, points in each, its relative precision, and how often panels are halved.
-PANELS: Final = 8
+#: Ends of the first panels of α in an adaptive quadrature; friction may be so small that grains stick near 0 only.
+#: Points in each, relative precision, and how often panels are halved.
+PANELS: Final = (
+    0.5 * math.pi * np.array([0.0, *(0.25**k for k in range(12, 0, -1)), 0.4, 0.55, 0.7, 0.85, 1.0])
+)
 POINTS: Final = 10
-PRECISION: Final = 1e-10
+PRECISION: Final = 1e-11
 HALVINGS: Final = 40
 
 
@@ -130,8 +133,7 @@ def means(
         change = 1.0 + beta(root * np.tan(alpha).ravel()).reshape(alpha.shape)
         return np.stack([np.sum(mass * change, axis=1), np.sum(mass * change * change, axis=1)])
 
-    grid = np.linspace(0.0, 0.5 * math.pi, PANELS + 1)
-    panels = np.stack([grid[:-1], grid[1:]], axis=1)
+    panels = np.stack([PANELS[:-1], PANELS[1:]], axis=1)
     coarse, total = integrals(panels), np.zeros(2)
     tolerance = PRECISION * np.abs(coarse).sum(axis=1, keepdims=True) + np.finfo(float).tiny
     for _ in range(HALVINGS):

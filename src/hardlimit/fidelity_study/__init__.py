@@ -12,10 +12,11 @@ from typing import Any, Final
 import numpy as np
 
 from ..boxes import engine_choice
-from ..boxes.contacts import checked_law, mean_contact
+from ..boxes.contacts import checked_law, mean_contact, mean_grain, rubs
 from ..boxes.rules import RULES
 from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
+from ..boxes.thermostats import refuse_rotational
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import validation
@@ -43,6 +44,7 @@ def fidelity(
     samples: int = 100,
     restitution: float | None = None,
     contact_duration: float | None = None,
+    tangential_restitution: float | None = None,
     resolution: float = RESOLUTION,
     engine: str = "auto",
     seed: int = 0,
@@ -72,7 +74,8 @@ def fidelity(
         initial state of replica k, in a box of the same dimension, boundary, gravity and kind of driving. Each replica
         gets another seed of its thermostat.
     law : Law
-        Contact law of Newton's equations and of the rules law and soft.
+        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it; the law of
+        the error is that of grains without friction, so that nothing is predicted.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
         Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel
@@ -86,6 +89,9 @@ def fidelity(
         impact speed of the initial state, √(πT); if the law was given by a restitution, this restitution.
     contact_duration : float [s], optional
         t_c of the rule tc and of t_c ν. Default: that of the law for the same impact.
+    tangential_restitution : float, optional
+        β of the rules constant and tc without sliding, for a law with friction, whose μ they have. Default: the one
+        that stands for the law in a gas (:meth:`Contact.effective_tangential_restitution`).
     resolution : float
         Relative difference that must be resolved, 1e-5 to 1. A rule agrees with Newton's equations only if the
         half-width of the 99 % confidence interval (Student's distribution) is at most this. Otherwise it is not
@@ -133,7 +139,7 @@ def fidelity(
     with 4 replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
     The law of the error predicts 1.9 ± 0.4 % for law.
     """
-    checked_law(law, "grains of this study")
+    checked_law(law)
     count = validation.whole("replicas", replicas, 1, statistics.MAX_REPLICAS)
     many = validation.whole("workers", workers, 1, 1024)
     if scheduler is not None and many > 1:
@@ -148,10 +154,14 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
+        refuse_rotational(first.thermostat)
         if solver == "auto":
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
+        beta = _tangential(first, law, tangential_restitution)
         starts = replace(starts, engine=solver, box=box_of(first))
-        plan = Plan(law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver)
+        plan = Plan(
+            law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver, beta
+        )
         _refuse_endless_heating(first, plan.restitution, law)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]
@@ -241,9 +251,30 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
     return epsilon, validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
 
 
+def _tangential(system: ParticleSystem, law: Law, tangential_restitution: Any) -> float | None:
+    """β0 of the rules constant and tc, as given or that of a typical impact; None without friction."""
+    if law.friction is None:
+        if tangential_restitution is not None:
+            shown = validation.shown(tangential_restitution)
+            raise ValueError(
+                f"tangential_restitution: got {shown}, must be left out for a law without friction"
+            )
+        return None
+    if tangential_restitution is not None:
+        limits = {"lowest_allowed": True, "highest_allowed": True}
+        return validation.number("tangential_restitution", tangential_restitution, -1.0, 1.0, **limits)
+    grain = mean_grain(system)
+    beta = law.between(grain, grain).effective_tangential_restitution(typical_speed(system), system.dimension)
+    if math.isnan(beta):
+        raise ValueError(
+            "tangential_restitution: missing, must be given: no constant one stands for this law in a gas"
+        )
+    return beta
+
+
 def _refuse_endless_heating(system: ParticleSystem, restitution: float, law: Law) -> None:
-    """Refuse elastic grains in a sheared box, which have no steady state."""
-    if system.shear_rate == 0.0:
+    """Refuse elastic grains without friction in a sheared box, which have no steady state."""
+    if system.shear_rate == 0.0 or rubs(law):
         return
     for name, value in (("law", law.specified_restitution), ("restitution", restitution)):
         if value == 1.0:

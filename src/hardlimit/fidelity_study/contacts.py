@@ -48,7 +48,7 @@ class Contacts(NamedTuple):
 def of_newton(result: ContactResult) -> Contacts:
     """The contacts that have ended and began with an approach. (A force that switches on again may begin without.)"""
     assert result.log is not None
-    _, end, _, _, impact, separation, overlapped = result.log
+    _, end, _, _, impact, separation, overlapped, *_ = result.log
     good = np.isfinite(end) & (impact > 0.0)
     return Contacts(np.round(separation[good] / impact[good], DECIMALS), overlapped[good])
 
@@ -57,7 +57,7 @@ def of_hard_spheres(system: ParticleSystem, law: Law, result: ParticleResult) ->
     """The collisions with a finite restitution. A collision counts as overlapped if a contact under ``law`` at its
     impact speed would still last at the next collision of either partner."""
     assert result.log is not None
-    time, first, second, impact, separation = result.log
+    time, first, second, impact, separation, *_ = result.log
     end = time + durations(system, law, first, second, impact)
     before, after = neighbours(time, first, second)
     latest = np.where(before < 0, -math.inf, end[before]).max(axis=1, initial=-math.inf)

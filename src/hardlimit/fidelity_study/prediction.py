@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from ..boxes import theory
+from ..boxes.contacts import rubs
 from ..boxes.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
 from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
@@ -56,6 +57,8 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     Besides, there are no contacts at the start, so that Newton's equations lag behind by t_c/2. The standard error
     contains half of this lag.
     """
+    if rubs(f.plan.law):
+        return Prediction(reason="it is not known with friction")
     thermostat = f.start.thermostat
     heated = isinstance(thermostat, RandomKicks)
     if f.sheared and thermostat is not None:

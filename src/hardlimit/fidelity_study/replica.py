@@ -60,6 +60,8 @@ _COMPARED: Final = (
 )
 #: Observables of every sample and model that are compared, by name.
 QUANTITIES: Final = {record.name: record for record in _COMPARED}
+#: A further one of grains that rub.
+ROTATION: Final = OBSERVABLES["rotational_temperature"]
 #: Further ones of a sheared box.
 OF_SHEAR: Final = {name: _mean(name) for name in ("shear_stress", "first_normal_stress_difference")}
 NONLINEAR: Final = Observable(
@@ -98,9 +100,10 @@ Arrays = dict[str, NDArray[Any]]
 Call = Callable[[], object]  #: may raise an exception to stop the run
 
 
-def quantities(system: ParticleSystem) -> dict[str, Observable]:
+def quantities(system: ParticleSystem, law: Law) -> dict[str, Observable]:
     """The observables that are compared in a box."""
-    return QUANTITIES | (OF_SHEAR if system.shear_rate else {})
+    rotation = {ROTATION.name: ROTATION} if law.friction is not None else {}
+    return QUANTITIES | rotation | (OF_SHEAR if system.shear_rate else {})
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,9 @@ class Plan:
     restitution: float  #: of the rules that take one
     contact_duration: float  #: [s], of the rule tc
     engine: str = "events"  #: of Newton's equations
+    tangential_restitution: float | None = (
+        None  #: of the rules that take a restitution; None without friction
+    )
 
     @property
     def times(self) -> Floats:
@@ -147,7 +153,11 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     observer, times = Observer(system), plan.times
     arrays = {
         name: np.full((len(runs), len(times)), math.nan)
-        for name in (*quantities(system), *([NONLINEAR.name] if system.shear_rate else []), "divergence")
+        for name in (
+            *quantities(system, plan.law),
+            *([NONLINEAR.name] if system.shear_rate else []),
+            "divergence",
+        )
     }
     reached = [0] * len(runs)
     for k, time in enumerate(times):
@@ -188,10 +198,12 @@ def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
         return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
     rule = RULES[model]
     duration = plan.contact_duration if rule.has_contact_duration else None
-    constant = "restitution" in rule.takes
-    settings = Settings(
-        model, plan.restitution if constant else None, None if constant else plan.law, duration
-    )
+    if "restitution" in rule.takes:
+        friction = None if plan.law.friction is None else plan.law.friction.coefficient
+        rubbing = (friction, plan.tangential_restitution)
+        settings = Settings(model, plan.restitution, None, duration, *rubbing)
+    else:
+        settings = Settings(model, None, plan.law, duration)
     return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 
@@ -201,7 +213,13 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
     lost, passed = samples["dissipated_energy"], samples["time"] - samples["time"][0]
     lost = np.where(np.abs(lost) <= ROUNDING * system.kinetic_energy, 0.0, lost)
     lasted = np.diff(passed)
-    means = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
+    rotates = "rotational_energy" in samples
+    means = {
+        "granular_temperature": samples["granular_temperature"],
+        "cooling": _cooling(system, lost, rotates),
+    }
+    if rotates:
+        means[ROTATION.name] = ROTATION.values(samples)
     with np.errstate(invalid="ignore", divide="ignore"):
         means["dissipation_rate"] = lost / passed
         for name in ("collision_rate", "pressure", *(OF_SHEAR if system.shear_rate else ())):
@@ -218,16 +236,17 @@ def _intervals(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Fl
     return rates
 
 
-def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
+def _cooling(system: ParticleSystem, lost: Floats, rotates: bool = False) -> Floats:
     """√(E(0)/E) − 1; NaN under gravity and in driven boxes.
 
-    E is the kinetic energy; without walls, that relative to the centre of mass.
+    E is the kinetic energy; without walls, that relative to the centre of mass; with friction also that of rotation.
     """
     if system.gravity.any() or system.driven:
         return np.full(len(lost), math.nan)
     at_start = system.kinetic_energy
     if "wall" not in system.boundary:
         at_start = 0.5 * system.dimension * float(system.mass.sum()) * system.granular_temperature
+    at_start += system.rotational_energy if rotates else 0.0
     left = at_start - lost
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(left > 0.0, np.sqrt(at_start / left) - 1.0, math.nan)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..boxes.contacts import rubs
 from ..support.estimate import Estimate
 from ..support.formatting import at_least_two_digits, digits, listed, percent, percent_with_error
 from . import prediction
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 #: Names of the rows of tables.
 NAMES: Final = {
     "granular_temperature": "temperature",
+    "rotational_temperature": "temperature of rotation",
     "cooling": "cooling",
     "dissipation_rate": "dissipation",
     "collision_rate": "collision rate",
@@ -154,6 +156,8 @@ def numbers(f: Fidelity) -> str:
 
 def law_of_error(f: Fidelity) -> str:
     """The predictions of the law of the error as sentences, with a warning where they contradict the measurement."""
+    if rubs(f.plan.law):
+        return " The law of the error is not known with friction."
     measure = "granular_temperature" if f.driven else "cooling"
     predictions = {
         rule: f.predicted(rule) for rule in _defined(f, measure, [m for m in f.models if m != NEWTON])

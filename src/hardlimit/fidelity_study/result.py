@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..boxes.box import Floats
-from ..boxes.engines import FIXED
+from ..boxes.engines import FIXED, SPINS
 from ..boxes.error_law import softness
 from ..boxes.observables import Observable, components
 from ..boxes.rules import law_entry, law_from
@@ -43,6 +43,8 @@ TOTALS: Final = {
     ),
     "end_time": ("s", "time at which the run ended"),
 }
+#: Arrays of the start in a saved comparison.
+OF_START: Final = (*FIXED, *SPINS, "positions", "velocities")
 STATISTICS: Final = ("mean", "standard_error")
 #: Default of the smallest relative difference that must be resolved.
 RESOLUTION: Final = 0.01
@@ -206,7 +208,7 @@ class Fidelity:
 
         :meta private:
         """
-        return quantities(self.start)
+        return quantities(self.start, self.plan.law)
 
     @property
     def examined(self) -> tuple[str, ...]:
@@ -485,6 +487,7 @@ class Fidelity:
         }
 
     def _global_attributes(self, what: str) -> dict[str, Any]:
+        beta = self.plan.tangential_restitution
         own = ("contact_duration", "tc_nu", "delta_over_d", "n_replicas", "bars", "resolution")
         return {
             "title": f"{what} of a comparison of rules for hard spheres with Newton’s equations",
@@ -493,6 +496,7 @@ class Fidelity:
             "law": repr(self.plan.law),
             "engine": self.plan.engine,
             "restitution": self.plan.restitution,
+            **({} if beta is None else {"tangential_restitution": beta}),
             **{name: getattr(self, name) for name in own},
             **({"steady_from": self.steady.start} if self.driven else {}),
             "summary": self.summary(),
@@ -512,7 +516,8 @@ class Fidelity:
         OSError
             If it cannot be written; names it.
         """
-        arrays = {f"start_{name}": getattr(self.start, name) for name in (*FIXED, "positions", "velocities")}
+        state = {name: getattr(self.start, name) for name in OF_START}
+        arrays = {f"start_{name}": values for name, values in state.items() if values is not None}
         flat = [
             (f"replica_{k}", name, array)
             for k, arrays in enumerate(self.arrays)
@@ -534,7 +539,7 @@ class Fidelity:
         header, flat = content.state()
         plan, values = dict(header["plan"]), header["values"]
         plan |= {"law": law_from(plan["law"]), "models": tuple(plan["models"])}
-        state = {name: flat[f"start_{name}"] for name in (*FIXED, "positions", "velocities")}
+        state = {name: flat[f"start_{name}"] for name in OF_START if f"start_{name}" in flat}
         replicas: list[Arrays] = [{} for _ in range(values["n"])]
         of_replicas = (name for name in flat if name.startswith("replica_"))
         for key in of_replicas:

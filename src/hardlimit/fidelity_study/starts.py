@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -116,8 +117,9 @@ def equilibrated(
 ) -> ParticleSystem:
     """Another equilibrium state of the same particles with the same energy.
 
-    Velocities are drawn from a Maxwell distribution, each particle undergoes ``collisions`` elastic collisions as a
-    hard sphere, and the velocities are shifted and scaled to the mean velocity and granular temperature of ``system``.
+    Velocities and spins are drawn from Maxwell distributions, each particle undergoes ``collisions`` elastic
+    collisions as a hard sphere, and the velocities are shifted and scaled to the mean velocity and granular temperature
+    of ``system``.
     The collisions of a sheared box are without shear, and its mean flow is added at the end.
     """
     rng = np.random.default_rng(np.random.SeedSequence([seed, system.n]))
@@ -133,7 +135,21 @@ def equilibrated(
         velocities=velocities + system.domain.mean_flow(at),
         thermostat=system.thermostat,
         shear_rate=system.shear_rate,
+        angular_velocities=_other_spins(system, rng),
     )
+
+
+def _other_spins(system: ParticleSystem, rng: np.random.Generator) -> Floats | None:
+    """Maxwellian angular velocities with the mean and the energy relative to it of those of ``system``."""
+    if system.angular_velocities is None:
+        return None
+    spin, inertia = system.angular_velocities.reshape(system.n, -1), system.inertia
+    mean = np.average(spin, axis=0, weights=inertia)
+    drawn = rng.standard_normal(spin.shape) / np.sqrt(inertia / inertia.max())[:, None]
+    drawn -= np.average(drawn, axis=0, weights=inertia)
+    wanted, energy = (float(np.einsum("i,ij,ij->", inertia, x, x)) for x in (spin - mean, drawn))
+    scaled: Floats = mean + drawn * math.sqrt(wanted / energy if energy > 0.0 else 0.0)
+    return scaled.reshape(system.angular_velocities.shape)
 
 
 def _rescaled(velocities: Floats, system: ParticleSystem, drift: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Measurements in boxes of grains: structure, velocities, diffusion, error bars of steady states.
+"""Measurements in boxes of grains: structure, velocities, spins, diffusion, error bars of steady states.
 
 A function of a state takes a ``ParticleSystem`` and returns a labelled xarray object. ``observe={"rdf": measure.rdf}``
 of a run calls it at each sample. A function of a run takes its result or a variable of its ``series``.
@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from .motion import diffusion, msd, paths
 from .pairs import coordination, rdf
+from .rotation import a02, a11, alignment
 from .steadiness import Steady, contact_value, steady
-from .stress import pressure_tensor
+from .stress import antisymmetric_stress, pressure_tensor
 from .velocities import a2, granular_temperature, profiles
 
 if TYPE_CHECKING:
@@ -19,7 +20,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Steady",
+    "a02",
     "a2",
+    "a11",
+    "alignment",
+    "antisymmetric_stress",
     "contact_value",
     "coordination",
     "diffusion",

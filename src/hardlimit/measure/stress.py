@@ -1,4 +1,4 @@
-"""Pressure tensor of a run in its steady state: kinetic and collisional parts, with errors."""
+"""Pressure tensor of a run in its steady state, with errors, and its antisymmetric part over time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import xarray as xr
 from ..boxes.box import Floats, component_axes
 from ..boxes.result import ContactResult, ParticleResult
 from ..support import validation
-from .labelled import axes, regular, variable
+from .labelled import array, axes, regular, variable
 from .steadiness import FEWEST, inefficiency, steady
 
 #: Variables of the Dataset, and of the series of a run.
@@ -92,6 +92,72 @@ def pressure_tensor(run: ParticleResult | ContactResult, *, start: float | None 
         {"row": axes(system), "column": axes(system)},
         {"units": units, "start": float(time[used[0] - 1])},
     )
+
+
+def antisymmetric_stress(run: ParticleResult | ContactResult) -> xr.DataArray:
+    """Antisymmetric part of the pressure tensor P of a run with friction: P_yz − P_zy, P_zx − P_xz, P_xy − P_yx.
+
+    Parameters
+    ----------
+    run : ParticleResult or ContactResult
+        With friction, in a box without walls.
+
+    Returns
+    -------
+    DataArray
+        Over ``time`` and ``axis``; for disks P_xy − P_yx over ``time`` [Pa; disks N/m]. Each value is the mean since
+        the previous sample, and NaN at the first sample.
+
+    Raises
+    ------
+    ValueError
+        If it is no result of a box, has no friction, or has walls or a thermostat that change spins.
+
+    Notes
+    -----
+    A contact conserves angular momentum: a force F on j at the distance r from i to j changes the spins of both by
+    −r × F in all. Therefore P_ab − P_ba = −ε_abk (dS_k/dt)/V with the spin S = Σ I ω of the box (de Groot & Mazur,
+    Non-Equilibrium Thermodynamics (1962), chapter XII). This is exact with our engines; contacts of LAMMPS conserve
+    angular momentum to the order of overlap over diameter. The mean over a steady state is zero. Couple stresses, the
+    fluxes of spin by contacts and flights, are not measured: this does not balance the spin of a part of the box.
+
+    Examples
+    --------
+    >>> x, v = [[0.03, 0.05], [0.05, 0.05]], [[0.1, 0.0], [-0.1, 0.0]]
+    >>> pair = {"radius": 0.005, "density": 2500.0, "box": 0.1}
+    >>> disks = hl.ParticleSystem(x, v, angular_velocities=[10.0, 10.0], **pair)
+    >>> friction = hl.Friction(coefficient=0.5)
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.9, friction=friction)
+    >>> run = hl.molecular_dynamics(
+    ...     disks, law=law, until=0.1, samples=1, engine="steps"
+    ... )
+    >>> bool(hl.measure.antisymmetric_stress(run)[-1] > 0.0)  # the disks lose spin
+    True
+    """
+    if not isinstance(run, ParticleResult | ContactResult):
+        raise ValueError(f"run: got {validation.shown(run)}, must be a result of a box of grains")
+    system, series = run.system, run.series
+    if "spin" not in series:
+        raise ValueError(
+            "run: got one without friction, must have friction: its pressure tensor is symmetric"
+        )
+    if "wall" in system.boundary:
+        raise ValueError(
+            "run: got one with walls, must have none: their torques on the grains are not summed"
+        )
+    if system.thermostat is not None and system.thermostat.rotational is not None:
+        raise ValueError(
+            f"run: got one with {system.thermostat!r}, must have no thermostat that changes spins"
+        )
+    time, spin = series["time"].values, series["spin"]
+    growth = np.diff(spin.values, axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = -(growth.T / np.diff(time)).T / system.domain.volume
+    values = np.concatenate([np.full((1, *growth.shape[1:]), math.nan), mean])
+    units = series["pressure"].attrs["units"]
+    coordinates = {str(dim): spin[dim].variable for dim in spin.dims}
+    about = "antisymmetric part of the pressure tensor, mean since the previous sample"
+    return array("antisymmetric_stress", spin.dims, values, units, about, **coordinates)
 
 
 def _meaning(name: str) -> str:

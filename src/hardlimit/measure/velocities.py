@@ -45,7 +45,7 @@ def granular_temperature(
     -----
     Goldhirsch, Powder Technol. 182, 130 (2008). LAMMPS calls it ``compute temp/profile``.
     """
-    twice = _thermal(system, streaming, bins)
+    twice = energies_of(checked_system(system).mass, relative_velocities(system, streaming, bins))
     value = float(twice.sum()) / (system.dimension * float(system.mass.sum()))
     return array("granular_temperature", (), value, "m2/s2", "granular temperature Σ m|v − u|²/(d Σ m)")
 
@@ -61,15 +61,28 @@ def a2(system: ParticleSystem, *, streaming: Streaming = None, bins: int = 20) -
     The coefficient of the second Sonine polynomial (van Noije & Ernst, Granular Matter 1, 57 (1998)). The standard
     error of one state is √(8/(d (d + 2) N)) for nearly Maxwellian velocities.
     """
-    squared = _thermal(system, streaming, bins)
-    d, mean = system.dimension, float(squared.mean())
+    energies = energies_of(checked_system(system).mass, relative_velocities(system, streaming, bins))
     rounding = 1e-20 * 2.0 * system.kinetic_energy / system.n
-    value = d * float(np.mean((squared / mean) ** 2)) / (d + 2) - 1.0 if mean > rounding else math.nan
+    value = fourth_cumulant(energies, system.dimension, rounding)
     return array("a2", (), value, "1", "fourth cumulant a2 of the velocities")
 
 
-def _thermal(system: ParticleSystem, streaming: Streaming, bins: Any) -> Floats:
-    """m|v − u|² of each particle [J]."""
+def fourth_cumulant(energies: Floats, axes: int, rounding: float) -> float:
+    """f⟨c⁴⟩/((f + 2)⟨c²⟩²) − 1 of f axes, from c² [J] of each particle; NaN if ⟨c²⟩ is not above ``rounding``."""
+    mean = float(energies.mean())
+    if not mean > rounding:
+        return math.nan
+    return axes * float(np.mean((energies / mean) ** 2)) / (axes + 2) - 1.0
+
+
+def energies_of(inertia: Floats, relative: Floats) -> Floats:
+    """Mass times the square of the velocity of each particle, or inertia times that of its spin [J]."""
+    energies: Floats = inertia * np.einsum("ij,ij->i", relative, relative)
+    return energies
+
+
+def relative_velocities(system: ParticleSystem, streaming: Streaming, bins: Any) -> Floats:
+    """Velocities relative to the streaming velocity, v − u (N, d) [m/s]."""
     checked_system(system)
     mass, velocities = system.mass, system.velocities
     count = checked_bins(bins)
@@ -89,9 +102,8 @@ def _thermal(system: ParticleSystem, streaming: Streaming, bins: Any) -> Floats:
         raise ValueError(
             f"streaming: got {validation.shown(streaming)}, must be an axis or a function of positions"
         )
-    relative = velocities - flow
-    energies: Floats = mass * np.einsum("ij,ij->i", relative, relative)
-    return energies
+    relative: Floats = velocities - flow
+    return relative
 
 
 def _bins(system: ParticleSystem, axis: int, bins: int) -> NDArray[np.int64]:
@@ -131,7 +143,9 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
         ``packing_fraction``, ``mean_velocity`` (of the mass, also over ``axis``) and ``granular_temperature`` about the
         mean velocity of the bin: in a sheared box it contains the mean flow, unless the axis is the gradient. The
         packing fraction is that of the volume of the particles inside the bin; all others count a particle where its
-        centre is. Velocity and temperature are NaN in an empty bin.
+        centre is. If the particles have angular velocities, also ``mean_angular_velocity`` Σ I ω/Σ I [rad/s] (of
+        spheres over ``axis``) and ``rotational_temperature`` [m²/s²], which contains the mean rotation. Velocities and
+        temperatures are NaN in an empty bin.
 
     Raises
     ------
@@ -141,7 +155,8 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
     Notes
     -----
     Sums over the bins are the totals: with the volume V of a bin, ρ V is the mass, ρ u V the momentum and
-    ρ (u² + d T) V/2 the kinetic energy (Goldhirsch, Powder Technol. 182, 130 (2008), without smoothing).
+    ρ (u² + d T) V/2 the kinetic energy (Goldhirsch, Powder Technol. 182, 130 (2008), without smoothing). That of the
+    rotation is ρ f T_r V/2, with f = 3 for spheres and 1 for disks.
     """
     k, count = checked_axis("axis", axis, checked_system(system)), checked_bins(bins)
     d, mass, bin_of = system.dimension, system.mass, _bins(system, k, count)
@@ -167,9 +182,29 @@ def profiles(system: ParticleSystem, axis: str, *, bins: int = 20) -> xr.Dataset
             "packing_fraction": variable(axis, filled / volume, "1", "packing fraction φ"),
             "mean_velocity": variable((axis, "axis"), means, "m/s", "mean velocity u"),
             "granular_temperature": variable(axis, temperature, "m2/s2", "granular temperature T"),
+            **_of_rotation(system, axis, bin_of, in_bin),
         },
         coordinates,
     )
+
+
+def _of_rotation(
+    system: ParticleSystem, axis: str, bin_of: NDArray[np.int64], in_bin: Floats
+) -> dict[str, Any]:
+    """Profiles of the spins, from the mass in each bin; none without angular velocities."""
+    if system.angular_velocities is None:
+        return {}
+    spins, inertia, bins = system.angular_velocities.reshape(system.n, -1), system.inertia, len(in_bin)
+    axes, twice = spins.shape[1], inertia * np.einsum("ij,ij->i", spins, spins)
+    sums = np.stack([_sums(bin_of, inertia * w, bins) for w in spins.T], axis=1)
+    with np.errstate(invalid="ignore"):
+        means = sums / _sums(bin_of, inertia, bins)[:, None]
+        temperature = _sums(bin_of, twice, bins) / (axes * in_bin)
+    dims, means = ((axis, "axis"), means) if axes == 3 else ((axis,), means[:, 0])
+    return {
+        "mean_angular_velocity": variable(dims, means, "rad/s", "mean angular velocity"),
+        "rotational_temperature": variable(axis, temperature, "m2/s2", "rotational temperature T_r"),
+    }
 
 
 def _below(system: ParticleSystem, axis: int, edge: float) -> float:

@@ -41,6 +41,7 @@ KINDS: Final = {
     "Pa": ("a pressure", "210 GPa"),
     "Hz": ("a frequency", "50 Hz"),
     "1/s": ("a rate", "100/s"),
+    "rad/s": ("an angular velocity", "10 rad/s"),
     "W": ("a power", "1 mW"),
     "deg": ("an angle", "30 deg"),
     "1": ("without unit", "0.7"),
@@ -57,6 +58,7 @@ SYSTEMS: Final = {
 _NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?"
 _FACTOR: Final = r"[A-Za-zµμ%]{1,12}(?:(?:\^|\*\*)?-?\d(?:\.\d)?|[²³])?"
 _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*(/?{_FACTOR}(?:\s?[ */·]\s?{_FACTOR}){{0,5}})", re.ASCII)
+_FRACTION: Final = re.compile(r"(\d{1,9})/0*([1-9]\d{0,8})", re.ASCII)
 _POWER: Final = re.compile(r"([A-Za-zµμ%])(?:\^|\*\*)?(-?\d(?:\.\d)?)", re.ASCII)
 
 
@@ -78,7 +80,9 @@ def number(name: str, text: str, unit: str) -> float:
 
 
 def with_unit(name: str, text: str, unit: str) -> float:
-    """As :func:`number`, for text that must have a unit."""
+    """As :func:`number`, for text that must have a unit. A number without unit may be a fraction, such as 2/7."""
+    if unit == "1" and (fraction := _FRACTION.fullmatch(text.strip())):
+        return int(fraction[1]) / int(fraction[2])
     match = _QUANTITY.fullmatch(text.strip())
     value = None if match is None else _convert(match[1], match[2], unit)
     if value is None:

@@ -10,13 +10,13 @@ from typing import Any
 from ...contact.contact import Law
 from ...support import validation
 from .. import time_step as steps
-from ..contacts import checked_law, checked_system, refuse_too_soft
+from ..contacts import checked_law, checked_system, refuse_fall_past_walls, refuse_too_soft, rubs
 from ..result import ContactResult
 from ..run import checked_output
 from ..system import ParticleSystem
 from . import engine, integration_error
 from . import job as jobs
-from .forces import types_of
+from .forces import factor_of, rotation_of, types_of
 from .job import Job
 from .script import Plan
 
@@ -68,7 +68,7 @@ def lammps_input(
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     job = make_job(
         system=checked_system(system),
-        law=checked_law(law, "grains in LAMMPS"),
+        law=checked_law(law),
         until=end,
         restitution_error=restitution_error,
         time_step=time_step,
@@ -127,9 +127,11 @@ def make_job(
     if system.thermostat is not None:
         raise ValueError(f"thermostat: got {system.thermostat!r}, must be none for engine 'lammps'")
     count, keep, *_ = checked_output(samples, log, None, 60.0)
+    refuse_fall_past_walls(system, rubs(law))
     refuse_too_soft(system, law)
+    rotation_of(system, law)
     types_of(system, law)
-    longest = steps.chosen(system, law, restitution_error, time_step, integration_error.longest_step)
+    longest = steps.chosen(system, law, restitution_error, time_step, _longest_step(system, law))
     fewest = until / (count * longest)  # may be infinite
     if fewest > MOST_STEPS:
         raise ValueError(
@@ -139,6 +141,15 @@ def make_job(
     per_sample = max(1, math.ceil(fewest))
     step = until / (count * per_sample) if until > 0.0 else min(longest, 1.0)
     return Job(system, law, Plan(until, count, per_sample, step, keep))
+
+
+def _longest_step(system: ParticleSystem, law: Law) -> steps.LongestStep:
+    """The longest step of LAMMPS for a contact of the system."""
+    if not rubs(law):
+        return integration_error.longest_step
+    elastic, inelastic = law.record["powers"]
+    factor = float(factor_of(system)[0])
+    return integration_error.LongestStep((elastic, inelastic), factor)
 
 
 def _checked_folder(folder: Any) -> Path:

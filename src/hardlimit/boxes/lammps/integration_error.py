@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ...contact import frictional_contact, impact
 from ...contact.contact import Floats
 from ...contact.friction import LIMITS, FrictionTerms
 
@@ -25,6 +26,7 @@ MARGIN: Final = 1.1  #: safety factor of this assumption
 TESTED: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
 #: Phases for the error of β, and the largest number of steps for which it is computed.
 FEW_PHASES: Final = PHASES[4::8]
+SLOW: Final = 0.03  #: tangential speed at which surfaces stick, over μ and the normal speed
 MAX_FRICTION_STEPS: Final = 400
 
 
@@ -58,7 +60,7 @@ def tangential_restitution(
     The elastic tangential force grows by k_t g Δt in each step, at the slip rate g of half a step earlier, and is then
     reduced to Coulomb's limit. Before, a change of the contact radius multiplies it.
     """
-    compression, rate = speed * time_step * FEW_PHASES[:, None], np.full((len(FEW_PHASES), 1), speed)
+    compression, rate = speed * time_step * FEW_PHASES, np.full(len(FEW_PHASES), speed)
     slip_rate = np.repeat(np.asarray(tangential_speeds)[None, :], len(FEW_PHASES), axis=0)
     elastic, before = np.zeros_like(slip_rate), np.zeros_like(compression)
     steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
@@ -67,8 +69,9 @@ def tangential_restitution(
         force = contact.force(depth, rate)
         if not np.any((force != 0.0) | (rate > 0.0)):
             return -slip_rate / tangential_speeds
-        elastic = elastic * _kept(friction, before, depth)
-        elastic, tangential = _limited(friction, elastic, slip_rate, depth, np.abs(force), time_step)
+        elastic = elastic * np.reshape(_kept(friction, before, depth), (-1, 1))
+        columns = slip_rate, depth[:, None], np.abs(force)[:, None]
+        elastic, tangential = _limited(friction, elastic, *columns, time_step)
         slip_rate = slip_rate - tangential * (time_step / tangential_mass)
         rate = rate - force * (time_step / contact.effective_mass)
         before, compression = depth, compression + rate * time_step
@@ -121,3 +124,48 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
             return duration / (MARGIN * steps * worst / error)
         steps = min(MAX_STEPS, steps * min(4.0, max(1.1, worst / error)))
     return duration / steps
+
+
+class LongestStep:
+    """The longest time step [s] with an error of ε, and of β of surfaces that stick, of at most ``error``.
+
+    The error of β is of first order without damping as well, since a contact begins between two steps.
+    """
+
+    def __init__(self, powers: tuple[int, int], inertia_factor: float) -> None:
+        self._powers = (*powers, False)  #: 4p and 4q of K ξ^p + C ξ^q dξ/dt
+        self._mass_ratio = 1.0 / (1.0 + 1.0 / inertia_factor)
+        self._tried: dict[
+            tuple[impact.FrictionalContact, float], float
+        ] = {}  #: steps of contacts in their own units
+
+    def __call__(self, contact: Any, speed: float, error: float) -> float:
+        mass, terms = contact.effective_mass, FrictionTerms(*contact.friction_terms)
+        numbers = impact.FrictionalContact(
+            self._powers, contact.coefficients, mass, mass * self._mass_ratio, terms
+        )
+        own = frictional_contact.in_own_units(numbers, speed), error
+        duration = float(contact.duration(np.array([speed]))[0])
+        if own not in self._tried:
+            fewest = duration / longest_step(contact, speed, error)
+            self._tried[own] = _steps_of_friction(contact, numbers, speed, error, fewest)
+        return duration / self._tried[own]
+
+
+def _steps_of_friction(
+    contact: Any, numbers: impact.FrictionalContact, speed: float, error: float, fewest: float
+) -> float:
+    """Number of steps per contact with this error of β, at least ``fewest``."""
+    duration, most = float(contact.duration(np.array([speed]))[0]), float(MAX_FRICTION_STEPS)
+    slow = np.array([SLOW * min(numbers.terms.coefficient, 1.0) * speed])
+    exact = frictional_contact.tangential_restitution(numbers, speed, np.arctan(slow / speed))
+
+    def largest_error(steps: float) -> float:
+        values = numbers.terms, numbers.tangential_mass, speed, slow, duration / steps
+        beta = tangential_restitution(contact, *values)
+        return math.inf if beta is None else float(np.abs(beta - exact).max())
+
+    steps = max(fewest, MARGIN * most * largest_error(most) / error)
+    while steps < most and (worst := largest_error(steps)) > error:
+        steps = min(most, steps * min(4.0, max(1.1, worst / error)))
+    return steps

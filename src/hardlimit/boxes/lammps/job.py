@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from ... import _core
-from ...contact.laws import LAWS
 from ...support import saving, validation
 from ..files import lammps_data
-from ..rules import law_entry
+from ..rules import law_entry, law_from
+from ..spins import solid
 from ..system import ParticleSystem
-from .forces import Types, between, types_of
+from .forces import Types, between, rotation_of, types_of
 from .script import Plan, script
 
 INPUT: Final = "in.hardlimit"
@@ -24,6 +26,7 @@ SETTINGS: Final = "hardlimit.json"
 LOG: Final = "log.lammps"
 PAIRS: Final = "pairs.dump"
 WALLS: Final = "walls.dump"
+MOTION: Final = "motion.dump"
 END: Final = "end.dump"
 
 
@@ -39,10 +42,16 @@ class Job:
 def write(job: Job, folder: Path) -> Path:
     """Write the files of a job to an existing folder; returns the path of the input script."""
     types = types_of(job.system, job.law)
-    text = script(job.system, types, _coefficients(job, types), job.plan, _header(job, folder))
+    rotation, header = rotation_of(job.system, job.law), _header(job, folder)
+    text = script(job.system, types, _coefficients(job, types), job.plan, header, rotation)
+    frame, factor = job.system.as_frame(), job.system.inertia_factor
+    if factor is not None:  # the script has it; the format has that of solid bodies only
+        frame = replace(frame, inertia_factor=solid(job.system.n, job.system.dimension))
     with saving.whole(folder / START) as unfinished:
-        lammps_data.write(unfinished, job.system.as_frame(), types.of_particle + 1)
-    settings = {"version": _core.version, "law": law_entry(job.law), "plan": vars(job.plan)}
+        lammps_data.write(unfinished, frame, types.of_particle + 1)
+    settings: dict[str, Any] = {"version": _core.version, "law": law_entry(job.law), "plan": vars(job.plan)}
+    if factor is not None:
+        settings["inertia_factor"] = factor.tolist() if np.ptp(factor) else float(factor[0])
     saving.write(folder / SETTINGS, json.dumps(settings, indent=1).encode())
     saving.write(folder / INPUT, text.encode())
     return folder / INPUT
@@ -77,10 +86,11 @@ def read(folder: Path) -> Job:
     path = folder / SETTINGS
     try:
         settings = json.loads(path.read_text(encoding="utf-8"))
-        name, parameters = settings["law"]
-        law, plan = LAWS[name](**parameters), Plan(**settings["plan"])
+        law, plan = law_from(settings["law"]), Plan(**settings["plan"])
+        factor = settings.get("inertia_factor")
     except OSError as error:
         raise validation.unreadable(path, error) from None
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{path}: damaged: {validation.shown(str(error))}") from None
-    return Job(ParticleSystem.read(folder / START, allowed_overlap=1.0 - 1e-9), law, plan)
+    system = ParticleSystem.read(folder / START, allowed_overlap=1.0 - 1e-9)
+    return Job(system if factor is None else system.replace(inertia_factor=factor), law, plan)

@@ -19,6 +19,8 @@ THERMO: Final = (
     *(f"kinetic_{component}" for component in components(3)),
     *("flow_momentum", "kinetic_across", "potential_energy"),
     *(f"virial_{component}" for component in components(3)),
+    *("rotational_energy", "spin_x", "spin_y", "spin_z", "torque_x", "torque_y", "torque_z"),
+    "power_on_flow",
 )
 
 
@@ -70,12 +72,13 @@ def row_of(line: str) -> list[float] | None:
     return [float(word) for word in line.split()] if _ROW.fullmatch(line) else None
 
 
-def state(path: Path, system: ParticleSystem) -> tuple[Floats, Floats]:
-    """Positions and velocities of the unfolded paths, (N, d) each."""
+def state(path: Path, system: ParticleSystem, rotates: bool) -> tuple[Floats, Floats, Floats | None]:
+    """Positions and velocities of the unfolded paths, (N, d) each, and angular velocities (N, 3) if they change."""
     with open(path, encoding="utf-8") as file:
         (last,) = snapshots(file)
-    columns, d = table(last.rows, 8), system.dimension
+    columns, d = table(last.rows, 11 if rotates else 8), system.dimension
     positions, velocities = columns[:, 1 : 1 + d], columns[:, 4 : 4 + d]
     if system.domain.gradient is not None:
         velocities[:, 0] += columns[:, 7] * (system.shear_rate * float(system.box[system.domain.gradient]))
-    return np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
+    spin = np.ascontiguousarray(columns[:, 8:]) if rotates else None
+    return np.ascontiguousarray(positions), np.ascontiguousarray(velocities), spin

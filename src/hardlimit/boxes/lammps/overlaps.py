@@ -8,6 +8,7 @@ touch and after the release, and the begin and end of the force to a fraction of
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from threading import Lock
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -33,60 +34,98 @@ class Overlaps(NamedTuple):
     second: Integers  #: a negative number is a wall
     compression: Floats  #: [m]
     force_acts: Flags  #: whether the force is not zero
+    tangential_energy: Floats  #: [J]
 
 
 class PairDump:
-    """Dump of pairs; each row has two particle numbers, distance and force."""
+    """Dump of pairs; each row has two particle numbers, distance and force.
 
-    width: Final = 4
+    With friction it also has the tangential force on the first particle, and the way to it from the second one.
+    """
 
     def __init__(self, pairs: Pairs) -> None:
         self._pairs = pairs
+        self.width = 10 if pairs.rubs else 4
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
         both = np.sort(table[:, :2].astype(np.int64), axis=1) - 1
         first, second = both[:, 0], both[:, 1]
         compression = self._pairs.apart(first, second) - table[:, 2]
-        return Overlaps(step, first, second, compression, table[:, 3] > 0.0)
+        elastic = np.zeros((len(table), 3)) if self._pairs.damped else table[:, 4:7]  # see SpringReader
+        stored = self._pairs.tangential_energy(first, second, compression, elastic)
+        return Overlaps(step, first, second, compression, table[:, 3] > 0.0, stored)
 
 
 class WallDump:
-    """Dump of particles at walls; each row has number, position and velocity."""
+    """Dump of particles at walls; each row has number, position and velocity.
 
-    width: Final = 7
+    With friction it also has the angular velocity, and the force of each wall.
+    """
 
     def __init__(self, pairs: Pairs, system: ParticleSystem) -> None:
         self._pairs, self._system = pairs, system
+        self.width = 7 + (3 + 3 * len(list(system.domain.walls())) if pairs.rubs else 0)
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
         sides = zip(*self._sides(step, table), strict=True)
-        step, first, second, compression, rate = (np.concatenate(part) for part in sides)
+        step, first, second, compression, rate, tangential = (np.concatenate(part) for part in sides)
         force = self._pairs.force(first, second, compression, rate)
-        return Overlaps(step, first, second, compression, force > 0.0)
+        stored = self._pairs.tangential_energy(first, second, compression, tangential)
+        return Overlaps(step, first, second, compression, force > 0.0, stored)
 
     def _sides(self, step: Integers, table: Floats) -> Iterator[tuple[Any, ...]]:
         number = table[:, 0].astype(np.int64) - 1
-        for wall, axis, upper in self._system.domain.walls():
+        for order, (wall, axis, upper) in enumerate(self._system.domain.walls()):
             x, v, edge = table[:, 1 + axis], table[:, 4 + axis], self._system.box[axis]
             depth = self._system.radius[number] - (edge - x if upper else x)
             rate, hit = v if upper else -v, depth > 0.0
-            yield step[hit], number[hit], np.full(int(hit.sum()), wall), depth[hit], rate[hit]
+            first, second = number[hit], np.full(int(hit.sum()), wall)
+            elastic = self._spring(table[hit], order, axis, upper, first, second, depth[hit])
+            yield step[hit], first, second, depth[hit], rate[hit], elastic
+
+    def _spring(
+        self,
+        rows: Floats,
+        order: int,
+        axis: int,
+        upper: bool,
+        first: Integers,
+        second: Integers,
+        depth: Floats,
+    ) -> Floats:
+        """Forces of the tangential springs (N, 3) [N], those of the wall ``order`` without damping."""
+        if not self._pairs.rubs:
+            return np.zeros((len(rows), 3))
+        arm = np.zeros((len(rows), 3))
+        arm[:, axis] = self._system.radius[first] * (1.0 if upper else -1.0)
+        damped = rows[:, 4:7] + np.cross(rows[:, 7:10], arm)
+        damped *= self._pairs.tangential_damping(first, second, depth)[:, None]
+        elastic: Floats = rows[:, 10 + 3 * order : 13 + 3 * order] + damped
+        elastic[:, axis] = 0.0
+        return elastic
 
 
 class Sums(NamedTuple):
     """Sums over contacts at a sample."""
 
-    energy: float  #: elastic energy of all overlaps [J]
-    in_contact: int
+    energy: float  #: energy of all normal and tangential springs [J]
+    tangential: float  #: that of the tangential ones
+    in_contact: float
 
 
 class DumpReader:
     """Reads a dump and computes the sums at samples; passes the overlaps to a ``Finder`` if there is a log."""
 
     def __init__(
-        self, dump: PairDump | WallDump, pairs: Pairs, per_sample: int, finder: Finder | None
+        self,
+        dump: PairDump | WallDump,
+        pairs: Pairs,
+        per_sample: int,
+        finder: Finder | None,
+        springs: SpringReader | None = None,
     ) -> None:
         self._dump, self._pairs, self._per_sample, self.finder = dump, pairs, per_sample, finder
+        self._springs = springs
         self.sums: dict[int, Sums] = {}  #: by step
 
     def read(self, lines: Iterable[str]) -> None:
@@ -105,7 +144,11 @@ class DumpReader:
         steps = np.array([part.step for part in parts])
         numbers = table([row for part in parts for row in part.rows], self._dump.width)
         overlaps = self._dump.overlaps(np.repeat(steps, [len(part.rows) for part in parts]), numbers)
-        self._sum(steps[steps % self._per_sample == 0], overlaps)
+        samples = steps[steps % self._per_sample == 0]
+        self._sum(samples, overlaps)
+        if self._springs is not None:
+            for sample in samples.tolist():
+                self._springs.add_pairs(sample, numbers[overlaps.step == sample])
         if self.finder is not None:
             self.finder.add(overlaps, int(steps[-1]))
 
@@ -113,10 +156,71 @@ class DumpReader:
         now = overlaps.step % self._per_sample == 0
         energies = self._pairs.energy(overlaps.first[now], overlaps.second[now], overlaps.compression[now])
         at, n = np.searchsorted(samples, overlaps.step[now]), len(samples)
-        energy = np.bincount(at, energies, n)
-        acting = np.bincount(at, overlaps.force_acts[now], n)
-        for sample, stored, count in zip(samples.tolist(), energy.tolist(), acting.tolist(), strict=True):
-            self.sums[sample] = Sums(stored, int(count))
+        tangential = overlaps.tangential_energy[now]
+        columns = energies + tangential, tangential, overlaps.force_acts[now]
+        rows = np.stack([np.bincount(at, column, n) for column in columns], axis=1)
+        self.sums |= dict(zip(samples.tolist(), map(Sums._make, rows.tolist()), strict=True))
+
+
+class SpringReader:
+    """Reads the motion of particles at samples and computes the energy of damped tangential springs of pairs.
+
+    The rows of the pairs come from another thread, before or after.
+    """
+
+    finder: Final = None
+
+    def __init__(self, pairs: Pairs, system: ParticleSystem) -> None:
+        self._pairs, self._system = pairs, system
+        self.sums: dict[int, Sums] = {}  #: by step
+        self._waiting: dict[int, Floats] = {}  # what has come of a step
+        self._lock = Lock()
+
+    def read(self, lines: Iterable[str]) -> None:
+        for snapshot in snapshots(lines):
+            motion = table(snapshot.rows, 10)
+            if (rows := self._other(snapshot.step, motion)) is not None:
+                self._sum(snapshot.step, rows, motion)
+
+    def add_pairs(self, step: int, rows: Floats) -> None:
+        """Add the rows of :class:`PairDump` at a sample."""
+        if (motion := self._other(step, rows)) is not None:
+            self._sum(step, rows, motion)
+
+    def _other(self, step: int, part: Floats) -> Floats | None:
+        """The other part of a step; None if this one is the first."""
+        with self._lock:
+            if step in self._waiting:
+                return self._waiting.pop(step)
+            self._waiting[step] = part
+        return None
+
+    def _sum(self, step: int, rows: Floats, motion: Floats) -> None:
+        motion = motion[np.argsort(motion[:, 0])]
+        at = np.searchsorted(motion[:, 0], rows[:, :2])
+        first, second = (rows[:, :2].astype(np.int64) - 1).T
+        compression = self._pairs.apart(first, second) - rows[:, 2]
+        damping = self._pairs.tangential_damping(first, second, compression)
+        elastic = rows[:, 4:7] + damping[:, None] * self._slip(rows, motion[at[:, 0]], motion[at[:, 1]])
+        stored = float(self._pairs.tangential_energy(first, second, compression, elastic).sum())
+        self.sums[step] = Sums(stored, stored, 0.0)
+
+    def _slip(self, rows: Floats, first: Floats, second: Floats) -> Floats:
+        """Velocities of the surfaces of first particles relative to those of the second ones (N, 3)."""
+        normal = rows[:, 7:10] / rows[:, 2:3]
+        velocity = first[:, 4:7] - second[:, 4:7]
+        axis = self._system.domain.gradient
+        if axis is not None:  # the contact may be with an image
+            edge = float(self._system.box[axis])
+            crossed = np.rint((first[:, 1 + axis] - second[:, 1 + axis] - rows[:, 7 + axis]) / edge)
+            velocity[:, 0] -= crossed * (self._system.shear_rate * edge)
+        numbers = rows[:, :2].astype(np.int64) - 1
+        arms = self._system.radius[numbers]
+        turning = arms[:, :1] * first[:, 7:10] + arms[:, 1:] * second[:, 7:10]
+        slip: Floats = (
+            velocity - (velocity * normal).sum(axis=1)[:, None] * normal - np.cross(turning, normal)
+        )
+        return slip
 
 
 class Change(NamedTuple):
@@ -165,7 +269,7 @@ class Rows:
     def __init__(self, pairs: Pairs, dt: float, overlaps: Overlaps) -> None:
         order = np.lexsort((overlaps.step, overlaps.second, overlaps.first))
         columns: tuple[Any, ...] = overlaps
-        step, first, second, depth, _ = (column[order] for column in columns)
+        step, first, second, depth, *_ = (column[order] for column in columns)
         self.step, self._first, self._second, self._depth, self._dt = step, first, second, depth, dt
         same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)
         self._has_before = np.append(False, same)[: len(step)]
