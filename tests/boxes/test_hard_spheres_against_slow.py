@@ -10,6 +10,7 @@ import hardlimit as hl
 from box_engines import hard_spheres, logged
 from conftest import law_of
 from hardlimit import _core
+from hardlimit.boxes.contacts import law_arguments
 from slow_hard_spheres import Rule, SlowHardSpheres
 
 SPEED = 0.3  # rms of one component [m/s]
@@ -100,7 +101,7 @@ def fast(system: SlowHardSpheres) -> _core.Engine:
         gravity=system.gravity,
         rule=rule.name,
         restitution=rule.restitution if law is None else math.nan,
-        law=None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),
+        law=None if law is None else law_arguments(law),
         contact_duration=rule.contact_duration,
     )
 

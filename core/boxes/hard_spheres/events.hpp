@@ -29,6 +29,7 @@ public:
     // May end the run.
     void collide(u32 i, u32 j) {
         Particle<d>&p = particles_.paths[i], &q = particles_.paths[j];
+        if (particles_.rotates()) prefetch(&particles_.spins[i]), prefetch(&particles_.spins[j]);
         const double waited_i = particles_.now - p.time, waited_j = particles_.now - q.time;
         particles_.advance_to_now(i);
         particles_.advance_to_now(j);
@@ -117,7 +118,6 @@ private:
         const double gain = (1.0 + e) * (-dot(t.r, t.v) / dot(t.r, t.r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * t.speed * t.speed;
         Accumulators<d>& sums = totals_.so_far;
-        sums.add_virial(reduced * gain, t.r, t.r);  // r⊗Δp, exactly: the force acts along r at one instant
         double to_i[d], to_j[d];
         for (int k = 0; k < d; ++k) {
             const double impulse = reduced * gain * t.r[k];
@@ -125,27 +125,33 @@ private:
             to_j[k] = q.velocity[k] + impulse / particles_.mass(j);
         }
         CollisionResult end{e * t.speed, lost};
-        if (particles_.rotates()) rub(t, slip, result, to_i, to_j, end);
+        if (particles_.rotates()) Rubbing<d, mixed>::add_result(slip, result, end);
+        if (result.tangential_gain != 0.0) {
+            rub(t, slip, result.tangential_gain, reduced * gain, to_i, to_j);
+        } else {
+            sums.add_virial(reduced * gain, t.r,
+                            t.r);  // r⊗Δp, exactly: the force acts along r at one instant
+            if (t.image_velocity != 0.0) sums.shear_work.add(-(reduced * gain * t.r[0]) * t.image_velocity);
+        }
         totals_.set_velocity(i, to_i);
         totals_.set_velocity(j, to_j);
-        if (t.image_velocity != 0.0) sums.shear_work.add(-(reduced * gain * t.r[0]) * t.image_velocity);
         record(i, j, t.speed, end, waited);
         ++sums.pairs;
     }
-    // Adds the tangential impulse.
-    void rub(const Touch<d>& t, const Slip& slip, const Rebound& result, double (&to_i)[d], double (&to_j)[d],
-             CollisionResult& end) {
-        rubbing_.add_result(slip, result, end);
-        if (result.tangential_gain == 0.0) return;
-        const Vector3 impulse = rubbing_.impulse(slip, result.tangential_gain);
-        double changed[d];
+    // Adds the tangential impulse to the velocities, and both impulses to the virial; along: normal impulse over r.
+    void rub(const Touch<d>& t, const Slip& slip, double gain, double along, double (&to_i)[d],
+             double (&to_j)[d]) {
+        const Vector3 impulse = Rubbing<d, mixed>::impulse(slip, gain);
+        const double inverse_i = 1.0 / particles_.mass(t.i);
+        const double inverse_j = mixed ? 1.0 / particles_.mass(t.j) : inverse_i;
+        double whole[d];
         for (std::size_t k = 0; k < d; ++k) {
-            changed[k] = impulse[k];
-            to_i[k] -= impulse[k] / particles_.mass(t.i);
-            to_j[k] += impulse[k] / particles_.mass(t.j);
+            whole[k] = along * t.r[k] + impulse[k];
+            to_i[k] -= inverse_i * impulse[k];
+            to_j[k] += inverse_j * impulse[k];
         }
-        totals_.so_far.add_virial(1.0, t.r, changed);
-        if (t.image_velocity != 0.0) totals_.so_far.shear_work.add(-changed[0] * t.image_velocity);
+        totals_.so_far.add_virial(1.0, t.r, whole);
+        if (t.image_velocity != 0.0) totals_.so_far.shear_work.add(-whole[0] * t.image_velocity);
         rubbing_.turn(t.i, slip, impulse);
         rubbing_.turn(t.j, slip, impulse);
     }

@@ -14,13 +14,13 @@ namespace hardlimit::boxes::spheres {
 
 // Slip of two surfaces at touch.
 struct Slip {
-    Vector3 r{};                        // [m]
-    Vector3 spin{};                     // Ω [rad/s]
-    Vector3 velocity{};                 // g_t [m/s]
-    double speed = 0.0;                 // |g_t| [m/s]
-    double mass = 0.0;                  // m_t [kg]
-    double length = 1.0;                // l [m]
-    double turning_mass_inverse = 0.0;  // R_i²/I_i + R_j²/I_j [1/kg]
+    Vector3 r;                    // [m]
+    Vector3 spin;                 // Ω [rad/s]
+    Vector3 velocity;             // g_t [m/s]
+    double speed;                 // |g_t| [m/s]
+    double mass;                  // m_t [kg]
+    double length;                // l [m]
+    double turning_mass_inverse;  // R_i²/I_i + R_j²/I_j [1/kg]
 };
 
 template <int d, bool mixed>
@@ -31,6 +31,7 @@ public:
     // Both enter the slip into `impact`.
     Slip of_pair(const Touch<d>& t, Impact& impact) const {
         Slip s;
+        s.r = s.spin = {};
         std::copy_n(t.r, d, s.r.begin());
         Vector3 v{};
         std::copy_n(t.v, d, v.begin());
@@ -41,6 +42,7 @@ public:
     }
     Slip at_wall(u32 i, const Wall& wall, Impact& impact) const {
         Slip s;
+        s.r = s.spin = {};
         const auto axis = static_cast<std::size_t>(wall.id.axis());
         s.length = particles_.radius(i);
         s.r[axis] = -wall.inward() * s.length;
@@ -61,7 +63,7 @@ public:
     void turn(u32 i, const Slip& s, const Vector3& impulse) {
         Spin& spin = particles_.spins[i];
         const Vector3 torque = cross(s.r, impulse);
-        const double change = particles_.radius(i) / s.length * spin.inverse_inertia;
+        const double change = share(i, s.length) * spin.inverse_inertia;
         for (std::size_t k = 0; k < 3; ++k) spin.velocity[k] -= change * torque[k];
     }
     // Adds what the tangential impulse does to the result of the normal one.
@@ -106,20 +108,26 @@ public:
 private:
     Particles<d, mixed>& particles_;
 
+    // R/l.
+    double share(u32 i, double length) const {
+        const double radius = particles_.radius(i);
+        return mixed ? radius / length : length > radius ? 0.5 : 1.0;
+    }
     // Adds (R/l) ω to Ω. Returns R²/I [1/kg].
     double add_body(u32 i, Slip& s) const {
         const Spin& of = particles_.spins[i];
-        const double radius = particles_.radius(i), share = radius / s.length;
-        for (std::size_t k = 0; k < 3; ++k) s.spin[k] += share * of.velocity[k];
+        const double radius = particles_.radius(i), part = share(i, s.length);
+        for (std::size_t k = 0; k < 3; ++k) s.spin[k] += part * of.velocity[k];
         return radius * radius * of.inverse_inertia;
     }
     static void set_velocity(Slip& s, const Vector3& v, Impact& impact) {
         const double square = dot(s.r, s.r), along = dot(v, s.r) / square;
+        const double stretch = square / (s.length * s.length);
         const Vector3 turning = cross(s.spin, s.r);
         for (std::size_t k = 0; k < 3; ++k) s.velocity[k] = (v[k] - along * s.r[k]) - turning[k];
         s.speed = math::sqrt(dot(s.velocity, s.velocity));
         const double mass = impact.pair.effective_mass, ratio = mass * s.turning_mass_inverse;
-        s.mass = mass / (1.0 + ratio * (square / (s.length * s.length)));
+        s.mass = mass / (1.0 + ratio * stretch);
         impact.slip_speed = s.speed, impact.rotational_ratio = ratio;
     }
 };

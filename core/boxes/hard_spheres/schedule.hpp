@@ -26,7 +26,10 @@ public:
     // Removes the event that next() returned, and prefetches the data of later ones.
     void pop() {
         calendar_.pop();
-        if (large_) ahead().step();
+        if (large_)
+            ahead().step();
+        else if (particles_.rotates())
+            calendar_.ahead(spins_ahead, [this](u32 id) { fetch_spins(id); });
     }
     // Whether the particles are more than the caches hold.
     bool large() const { return large_; }
@@ -37,7 +40,14 @@ private:
     const CellAssignment<d, mixed>& cells_;
     CalendarQueue calendar_;
     bool large_ = false;
+    // Events ahead at which spins are fetched: only collisions read them, so that they leave the small caches.
+    static constexpr std::size_t spins_ahead = 2;
 
+    void fetch_spins(u32 id) const {
+        const u32 partner = particles_.pending[id].partner;
+        prefetch(&particles_.spins[id]);
+        if (partner != no_particle) prefetch(&particles_.spins[partner]);
+    }
     auto time() const {
         return [this](u32 id) { return particles_.pending[id].time(); };
     }

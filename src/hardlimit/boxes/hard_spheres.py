@@ -62,14 +62,17 @@ def event_driven(
         ``"constant"``: one ε (default with ``restitution``). ``"law"``: ε(v) of the law (default with ``law``).
         ``"tc"``: a collision is elastic if one of its partners had any collision less than ``contact_duration`` ago
         (Luding & McNamara 1998). ``"soft"``: a contact has the duration of the law, and its normal turns (Müller &
-        Pöschel 2013).
+        Pöschel 2013). A law with friction gives β under ``"law"``, of its contact with a fixed normal at this speed
+        and angle (Schwager, Becker & Pöschel 2008), and under ``"soft"`` the whole motion, with the spins; at walls
+        that neglects tangential terms of order g t_c/v. ``"tc"``: without friction in elastic collisions.
     contact_duration : float [s]
         t_c of the rule tc.
     friction : float, optional
         Coefficient of friction μ, with ``restitution``: a collision slides if μ limits its tangential impulse
-        (Walton 1993). ``math.inf``: rough particles, which never slide. A law gives its own friction.
+        (Walton 1993): β = min{β0, −1 + (m_n/m_t) μ (1 + ε)/tan γ} at the angle of impact γ. ``math.inf``: rough
+        particles, which never slide. A law gives its own friction.
     tangential_restitution : float, optional
-        β of collisions that do not slide, in [−1, 1]; required with ``friction``. −1: the surfaces keep their
+        β0, that of collisions that do not slide, in [−1, 1]; required with ``friction``. −1: the surfaces keep their
         tangential velocity; 0: they stop; 1: they reverse it.
     samples : int
         Number of intervals between samples of the series. With ``max_collisions`` alone, half to twice as many.
@@ -100,7 +103,14 @@ def event_driven(
 
     Notes
     -----
-    Sources: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301 (2013).
+    Sources: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301 (2013); with
+    friction Walton, in Particulate Two-Phase Flow, ed. Roco, 884 (1993); Schwager, Becker & Pöschel, Eur. Phys. J. E
+    27, 107 (2008).
+
+    β of a law that has no scale of speed (linear, or Tsuji with Mindlin's friction) is tabulated by angle for each pair
+    of kinds of particles, to 1e-10, if there are at most 16 kinds; other contacts are solved in each collision (2 to
+    20 µs for the linear law, more for others), as are those of ``"soft"``. In the log ``slid`` says with ``friction``
+    that μ limited the impulse, with a law that the surfaces slipped during the contact.
 
     Examples
     --------

@@ -9,11 +9,12 @@ namespace hardlimit::boxes::rules {
 
 class Constant final : public Rule {
 public:
-    static constexpr RuleRecord record = {.name = "constant",
-                                          .meaning = "restitution ε",
-                                          .assumes = "ε depends on nothing",
-                                          .takes_restitution = true,
-                                          .error = "constant"};
+    static constexpr RuleRecord record = {
+        .name = "constant",
+        .meaning = "restitution ε; with friction β0 unless the surfaces slide",
+        .assumes = "ε and β0 depend on nothing",
+        .takes_restitution = true,
+        .error = "constant"};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle&) {
         return std::make_unique<Constant>(choice);
     }

@@ -14,7 +14,7 @@ namespace hardlimit::boxes::rules {
 class RestitutionOfLaw {
 public:
     static constexpr RuleRecord record = {.name = "law",
-                                          .meaning = "ε(v) of `law.between(i, j)`",
+                                          .meaning = "ε(v) of `law.between(i, j)`, with friction also β",
                                           .assumes = "contacts take no time",
                                           .takes_law = true,
                                           .error = "constant"};

@@ -10,7 +10,7 @@ class Soft {
 public:
     static constexpr RuleRecord record = {
         .name = "soft",
-        .meaning = "takes the time of a contact and turns the normal, as the law says",
+        .meaning = "takes the time of a contact and turns the normal, as the law says, also with friction",
         .assumes = "no third body touches meanwhile",
         .source = "Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)",
         .takes_law = true,

@@ -11,7 +11,8 @@ public:
     static constexpr RuleRecord record = {
         .name = "tc",
         .meaning =
-            "elastic where a partner has collided less than t_c ago, with anything; else as constant or law",
+            "elastic and without friction where a partner has collided less than t_c ago, with anything; else as "
+            "constant or law",
         .assumes = "contacts of many particles lose little energy",
         .source = "Luding & McNamara, Granular Matter 1, 113 (1998)",
         .takes_restitution = true,
