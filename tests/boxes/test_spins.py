@@ -194,10 +194,6 @@ def test_a_study_of_smooth_grains_ignores_spins() -> None:
     kicks = hl.RandomKicks(1e-6, 1e-4, rotational=1e-6)
     message = refusal(lambda: hl.fidelity(gas(16, 2, thermostat=kicks), **options))
     assert message.startswith("thermostat: got rotational=1e-06, must be without in a run without friction")
-    rubbing = options | {"law": LAW}
-    assert refusal(lambda: hl.fidelity(gas(16, 2, rms_spin="equal"), **rubbing)).startswith(
-        "law: got one with friction"
-    )
 
 
 def test_a_fall_does_not_change_spins() -> None:

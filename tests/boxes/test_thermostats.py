@@ -361,6 +361,26 @@ def test_heat_of_spins_closes_the_balance_and_resumes(thermostat: Any, tmp_path:
     assert hl.load(whole.save(tmp_path / "run.nc")).system == whole.system
 
 
+@pytest.mark.parametrize("thermostat", [SPINNING, hl.Andersen(0.09, 500.0, rotational=0.05, interval=5e-4)])
+def test_events_and_steps_get_the_same_kicks_on_spins(thermostat: Any) -> None:
+    """A gas that rubs: steps tend to events."""
+    system = gas(30, thermostat, packing_fraction=0.3, dimension=2, rms_spin="equal")
+    exact = by_steps(system, 0.003, engine="events")
+    errors = []
+    for h in (4e-7, 1e-7):
+        run = by_steps(system, 0.003, time_step=h)
+        errors.append(float(np.abs(run.system.angular_velocities - exact.system.angular_velocities).max()))
+        assert run.n_contacts == exact.n_contacts > 5
+    assert errors[1] < 0.5 * errors[0] and errors[1] < 1e-2 * float(
+        np.abs(exact.system.angular_velocities).max()
+    )
+    series = exact.series
+    total = (
+        series.kinetic_energy + series.rotational_energy + series.contact_energy + series.dissipated_energy
+    )
+    assert float(abs(total - series.heat - total[0]).max()) < 1e-9 * float(total[0])
+
+
 @pytest.mark.parametrize("name", SOLVERS)
 def test_rotational_kicks_without_friction_are_refused(name: str) -> None:
     system = gas(10, SPINNING, packing_fraction=0.01, rms_spin=1.0)

@@ -154,7 +154,8 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
-        refuse_rotational(first.thermostat)
+        if law.friction is None:
+            refuse_rotational(first.thermostat)
         if solver == "auto":
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
         beta = _tangential(first, law, tangential_restitution)
