@@ -46,8 +46,8 @@ def result_of(engine, dimension, friction=False):
 
 
 IN_PROCESS = [name for name, record in ENGINES.items() if record.kind]
-#: Engines that run friction in boxes.
-ROTATING = ["events", "steps"]
+#: Engines in this process that run friction: all of them.
+ROTATING = ["hard_spheres", "events", "steps"]
 EVERY_RESULT = [
     *itertools.product(IN_PROCESS, (2, 3), (False,)),
     *itertools.product(ROTATING, (2, 3), (True,)),
