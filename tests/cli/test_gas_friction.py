@@ -284,3 +284,37 @@ def test_a_law_without_a_coefficient_of_friction_is_smooth() -> None:
     cooling = [output["variables"]["cooling"]["values"] for output in (zero, without)]
     assert np.array_equal(*cooling)
     assert math.isclose(zero["tc_nu"], without["tc_nu"])
+
+
+# --- walls past which grains fall ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--friction", 0.5, "--tangential-restitution", 0],
+        [*SPRING, "--friction", 0.5],
+        [*SPRING, "--friction", 0.5, "--engine", "steps"],
+        [*SPRING, "--friction", 0.5, "--engine", "lammps"],
+    ],
+)
+def test_walls_that_rub_do_not_fall(options: list) -> None:
+    """Runs are computed in a frame that falls along periodic axes. Smooth walls do not notice."""
+    slope = [*SMALL, "--gravity", 3, "--gravity", 0, "--gravity=-9", "--boundary", "periodic", "--boundary", "periodic",
+             "--boundary", "wall"]  # fmt: skip
+    message = refused("gas", *slope, *options)
+    assert "--gravity: got a component along the periodic x, must be none with friction at walls" in message
+    run(
+        "gas",
+        *SMALL,
+        "--gravity",
+        3,
+        "--gravity",
+        0,
+        "--gravity",
+        0,
+        *options[: -2 if "lammps" in options else None],
+    )
+    options[options.index(0.5)] = 0
+    if "lammps" not in options:
+        run("gas", *slope, *options)
