@@ -46,7 +46,9 @@ def by_steps(system: hl.ParticleSystem, law: hl.LinearDashpot, step: float):
     )
 
 
-def hard_spheres(system: hl.ParticleSystem, rule: str, restitution=np.nan, law=None, duration=np.nan):
+def hard_spheres(
+    system: hl.ParticleSystem, rule: str, restitution=np.nan, law=None, duration=np.nan, **friction
+):
     return _core.make_engine(
         "hard_spheres",
         *engine_arguments(system),
@@ -54,6 +56,7 @@ def hard_spheres(system: hl.ParticleSystem, rule: str, restitution=np.nan, law=N
         rule=rule,
         restitution=restitution,
         rule_parameters=[duration] if rule == "tc" else [],
+        **friction,
     )
 
 

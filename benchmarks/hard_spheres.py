@@ -46,12 +46,14 @@ def start(n: int, fraction: float, **other: Any) -> hl.ParticleSystem:
 class Ours:
     """A run that continues from one repetition to the next."""
 
-    def __init__(self, system: hl.ParticleSystem, rule: str = "constant", restitution: float = 1.0) -> None:
+    def __init__(
+        self, system: hl.ParticleSystem, rule: str = "constant", restitution: float = 1.0, **friction: float
+    ) -> None:
         law = ("viscoelastic", 0, [1e7, 0.3, 1e-5], None) if rule in ("law", "soft") else None
         if law:
             restitution = math.nan
         duration = 1e-4 if rule == "tc" else math.nan
-        self.run = hard_spheres(system, rule, restitution, law, duration)
+        self.run = hard_spheres(system, rule, restitution, law, duration, **friction)
 
     def warm_up(self) -> Ours:
         self.run.advance(math.inf, 5 * len(self.run.state()[0]))
@@ -116,7 +118,7 @@ def compare(n: int, fraction: float, peers: dict[str, str], repetitions: int, se
 
 
 def kinds(n: int, fraction: float, repetitions: int, seconds: float) -> list[list[str]]:
-    """Each rule, unequal spheres, and a box with a floor, relative to equal elastic spheres."""
+    """Each rule, friction, unequal spheres, and a box with a floor, relative to equal elastic spheres."""
     equal = start(n, fraction)
     unequal = start(n, fraction, radius=np.random.default_rng(2).uniform(0.25, 0.75, n))
     height = (n * math.pi / 6.0 / fraction) ** (1.0 / 3.0)
@@ -126,6 +128,7 @@ def kinds(n: int, fraction: float, repetitions: int, seconds: float) -> list[lis
         "tc": Ours(equal, "tc", 0.999),
         "law": Ours(equal, "law"),
         "soft": Ours(equal, "soft"),
+        "friction": Ours(equal, friction=0.5, tangential_restitution=0.3),
         "sizes 1 to 3": Ours(unequal),
         "walls and gravity": Ours(heavy),
     }

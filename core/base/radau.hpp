@@ -31,6 +31,46 @@ public:
         {0.14371356079122594132, 0.28135601514946206019, 0.31182652297574125408, 0.2231039010835707444, 0.04},
     };
 
+    struct Matrix {
+        double at[stages][stages];
+    };
+    // The derivative at the nodes of the polynomial through 0 and its values there: the inverse of a.
+    static constexpr Matrix derivative = [] {
+        Matrix rest{}, inverse{};
+        for (int i = 0; i < stages; ++i)
+            for (int j = 0; j < stages; ++j) rest.at[i][j] = a[i][j], inverse.at[i][j] = i == j;
+        for (int k = 0; k < stages; ++k) {
+            const double pivot = rest.at[k][k];
+            for (int j = 0; j < stages; ++j) rest.at[k][j] /= pivot, inverse.at[k][j] /= pivot;
+            for (int i = 0; i < stages; ++i) {
+                const double factor = rest.at[i][k];
+                if (i == k) continue;
+                for (int j = 0; j < stages; ++j)
+                    rest.at[i][j] -= factor * rest.at[k][j], inverse.at[i][j] -= factor * inverse.at[k][j];
+            }
+        }
+        return inverse;
+    }();
+    // Solves m x = b for one unknown at each node, in place of b; m is lost.
+    static void solve(double (&m)[stages][stages], double (&x)[stages]) {
+        for (int k = 0; k < stages; ++k) {
+            int best = k;
+            for (int i = k + 1; i < stages; ++i)
+                if (math::abs(m[i][k]) > math::abs(m[best][k])) best = i;
+            std::swap(m[k], m[best]);
+            std::swap(x[k], x[best]);
+            for (int i = k + 1; i < stages; ++i) {
+                const double factor = m[i][k] / m[k][k];
+                for (int j = k + 1; j < stages; ++j) m[i][j] -= factor * m[k][j];
+                x[i] -= factor * x[k];
+            }
+        }
+        for (int k = stages - 1; k >= 0; --k) {
+            for (int j = k + 1; j < stages; ++j) x[k] -= m[k][j] * x[j];
+            x[k] /= m[k][k];
+        }
+    }
+
     // out = y(h) for n components. f depends on the first `coupled` only; `unit` [coupled] are the units of their
     // changes. Returns whether Newton's method has converged. `out` must not alias `y`.
     template <class Rhs>

@@ -186,6 +186,20 @@ def test_runs_with_friction_keep_spins_in_checkpoints_results_and_files(d: int, 
         assert set(whole.system.inertia_factor) == {0.3 if system.inertia_factor is not None else solid}
 
 
+def test_a_study_of_smooth_grains_ignores_spins() -> None:
+    options: dict[str, Any] = {"law": LAW.replace(friction=None), "until": 0.005, "samples": 2}
+    options |= {"models": ["newton", "law"], "replicas": 2}
+    plain, spinning = (hl.fidelity(gas(16, 2, rms_spin=spin), **options) for spin in (None, "equal"))
+    assert plain.replicas.equals(spinning.replicas)
+    kicks = hl.RandomKicks(1e-6, 1e-4, rotational=1e-6)
+    message = refusal(lambda: hl.fidelity(gas(16, 2, thermostat=kicks), **options))
+    assert message.startswith("thermostat: got rotational=1e-06, must be without in a run without friction")
+    rubbing = options | {"law": LAW}
+    assert refusal(lambda: hl.fidelity(gas(16, 2, rms_spin="equal"), **rubbing)).startswith(
+        "law: got one with friction"
+    )
+
+
 def test_a_fall_does_not_change_spins() -> None:
     """Gravity along periodic axes: the same spins to the last bit."""
     system = gas(rms_spin="equal", packing_fraction=0.3)

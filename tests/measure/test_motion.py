@@ -173,6 +173,7 @@ def measured():
         "an observable": run_of.series.pressure,
         "msd": hl.measure.msd(run_of.series.paths),
         "profiles": hl.measure.profiles(box, "z"),
+        "profiles of spins": hl.measure.profiles(box.replace(angular_velocities=1e3 * box.velocities), "z"),
         "mean velocity": hl.measure.profiles(box, "z").mean_velocity,
         "coordination": hl.measure.coordination(box, tolerance=0.3),
         "steady": hl.measure.steady(run_of.series.pressure),
@@ -185,7 +186,8 @@ def measured():
 
 @pytest.mark.parametrize(
     "kind",
-    ["rdf", "profiles", "steady", *map(slow, ("rdf over time", "a2 over time", "an observable", "msd", "mean velocity",
+    ["rdf", "profiles", "profiles of spins", "steady", *map(slow, (
+     "rdf over time", "a2 over time", "an observable", "msd", "mean velocity",
      "coordination", "steady numbers", "steady of a transient"))],
 )  # fmt: skip
 def test_each_has_a_picture(kind, measured):

@@ -319,7 +319,7 @@ def arguments_of_grains() -> list[Argument]:
         others = {key: value for key, value in DISKS.items() if (key, name) != ("mass", "density")}
         listed.append(Argument("ParticleSystem", name, kind, hl.ParticleSystem, good[name], others))
         if name not in ("allowed_overlap", "positions", "velocities", "boundary"):
-            optional = f"optional {kind.removeprefix('one ')}"
+            optional = f"optional {kind.removeprefix('one ').removeprefix('optional ')}"
             listed.append(Argument("ParticleSystem.replace", name, optional, system.replace, good[name]))
     random = {"n": 3, "packing_fraction": 0.1, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
     kinds = {"n": whole, "packing_fraction": n, "radius": n, "density": n, "rms_speed": n, "dimension": whole,

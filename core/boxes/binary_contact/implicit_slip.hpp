@@ -31,27 +31,6 @@ private:
     static constexpr int n = Motion::dimension, m = Motion::coupled, stages = Radau::stages;
     static constexpr int most_iterations = 30;
 
-    struct Matrix {
-        double at[stages][stages];
-    };
-    // The derivative at the nodes of the polynomial through 0 and its values there: the inverse of Radau::a.
-    static constexpr Matrix derivative = [] {
-        Matrix a{}, inverse{};
-        for (int i = 0; i < stages; ++i)
-            for (int j = 0; j < stages; ++j) a.at[i][j] = Radau::a[i][j], inverse.at[i][j] = i == j;
-        for (int k = 0; k < stages; ++k) {
-            const double pivot = a.at[k][k];
-            for (int j = 0; j < stages; ++j) a.at[k][j] /= pivot, inverse.at[k][j] /= pivot;
-            for (int i = 0; i < stages; ++i) {
-                const double factor = a.at[i][k];
-                if (i == k) continue;
-                for (int j = 0; j < stages; ++j)
-                    a.at[i][j] -= factor * a.at[k][j], inverse.at[i][j] -= factor * inverse.at[k][j];
-            }
-        }
-        return inverse;
-    }();
-
     static bool single(const Motion& motion, const double* y, double h, double* out) {
         double node[stages][n], slope[stages][n];
         motion.slip_rates(y, slope[0]);
@@ -88,14 +67,14 @@ private:
             const double limit = math::max(motion.limit(motion.now(at)), 0.0), z = at[Motion::memory];
             double rate = 0.0;
             for (int j = 0; j < stages; ++j) {
-                const double d = derivative.at[i][j] / h;
+                const double d = Radau::derivative.at[i][j] / h;
                 rate += d * (node[j][Motion::memory] - y[Motion::memory]);
                 matrix[i][j] = limit * d;
             }
             change[i] = 0.5 * (1.0 + z * z) * drive.across - limit * rate;
             matrix[i][i] += drive.along - z * drive.across;
         }
-        solve(matrix, change);
+        Radau::solve(matrix, change);
         double largest = 0.0;
         for (int i = 0; i < stages; ++i) {
             node[i][Motion::memory] += change[i];
@@ -120,25 +99,6 @@ private:
             }
         }
         return largest;
-    }
-
-    static void solve(double (&a)[stages][stages], double (&x)[stages]) {
-        for (int k = 0; k < stages; ++k) {
-            int best = k;
-            for (int i = k + 1; i < stages; ++i)
-                if (math::abs(a[i][k]) > math::abs(a[best][k])) best = i;
-            std::swap(a[k], a[best]);
-            std::swap(x[k], x[best]);
-            for (int i = k + 1; i < stages; ++i) {
-                const double factor = a[i][k] / a[k][k];
-                for (int j = k + 1; j < stages; ++j) a[i][j] -= factor * a[k][j];
-                x[i] -= factor * x[k];
-            }
-        }
-        for (int k = stages - 1; k >= 0; --k) {
-            for (int j = k + 1; j < stages; ++j) x[k] -= a[k][j] * x[j];
-            x[k] /= a[k][k];
-        }
     }
 };
 

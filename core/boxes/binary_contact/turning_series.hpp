@@ -19,8 +19,8 @@ template <class Normal, bool virial = false>
 class TurningSeries : public TurningStates<Normal> {
 public:
     static constexpr int order = 16;
-    static constexpr double tolerance = 1e-14;                       // of the last terms of one step
-    static constexpr double loose = 3.0, direction_tolerance = 2.0;  // beside that
+    static constexpr double tolerance = 1e-14;                         // of the last terms of one step
+    static constexpr double loose = 10.0, direction_tolerance = 10.0;  // beside that
     static constexpr int most_steps = 200;  // a contact that takes more is left to the other methods
     static constexpr int most_changes = 40;
 
@@ -98,7 +98,6 @@ private:
     double X_[length], U_[length], twist_[length], N_[length], curve_[length], turning_[length];
     Two w_[length], u_[length], S_[length], f_[length], P_[length], Q_[length];
     Two a_[length], g_[length], push_[length], h_[length], ft_[length], at_[length];
-    double loss_[length], work_[length], damped_[length];
 
     static double dot(Two a, Two b) {
         const Two p = a * b;
@@ -152,87 +151,109 @@ private:
         const bool slips = motion_.slips;
         switch (kind_) {
             case Kind::wall:
-                return slips ? expand<Kind::wall, true>() : expand<Kind::wall, false>();
+                return slips ? expand_flat<Kind::wall, true>() : expand_flat<Kind::wall, false>();
             case Kind::plane:
-                return slips ? expand<Kind::plane, true>() : expand<Kind::plane, false>();
+                return slips ? expand_flat<Kind::plane, true>() : expand_flat<Kind::plane, false>();
             default:
-                if (!slips) return expand<Kind::space, false>();
-                return steady_ ? expand<Kind::space, true, false>() : expand<Kind::space, true, true>();
+                if (!slips) return expand_in_space<false, false>();
+                return steady_ ? expand_in_space<true, false>() : expand_in_space<true, true>();
         }
     }
 
-    // `directed`: the direction of slip changes.
-    template <Kind kind, bool slips, bool directed = false>
-    void expand() {
+    double dashpot(bool slips) const {  // that adds to the spring
+        return slips && motion_.limits_spring() ? 0.0 : motion_.constants().dashpot;
+    }
+
+    // At a wall and in a plane.
+    template <Kind kind, bool slips>
+    void expand_flat() {
         const auto k = motion_.constants();
         const double ratio = motion_.units().ratio, c = motion_.touch().rotational_ratio;
-        const double mu = motion_.friction().coefficient;
-        const double dashpot = slips && motion_.limits_spring() ? 0.0 : k.dashpot;
-        constexpr bool turns = kind != Kind::wall;
-        N_[0] = k.elastic * X_[0] + k.damping * U_[0];
-        const bool from_zero = directed && N_[0] == 0.0;
-        const double per_width = 1.0 / (1.0 - ratio * X_[0]), per_force = from_zero ? 0.0 : 1.0 / N_[0];
-        curve_[0] = turns ? ratio * per_width : 0.0;
-        if (directed) ft_[0] = turned(f_[0]);
-        Two direction{};
-        if (slips) direction = mu * f_[0];
-        for (int n = 0; n < order; ++n) {
+        const double damping = dashpot(slips), per_width = 1.0 / (1.0 - ratio * X_[0]);
+        curve_[0] = ratio * per_width;
+        for (int n = 0; n <= order; ++n) {
+            N_[n] = k.elastic * X_[n] + k.damping * U_[n];
+            push_[n] = slips ? (motion_.friction().coefficient * N_[n]) * f_[0] : S_[n] + damping * g_[n];
+            if (n == order) break;
             const double share = 1.0 / (n + 1);
-            if (n > 0) N_[n] = k.elastic * X_[n] + k.damping * U_[n];
-            // Φ
-            if constexpr (directed) {
-                if (from_zero) f_[n] = n > 0 ? Two{} : f_[0];
-                Two sum{};
-                for (int j = 0; j <= n; ++j) sum += N_[j] * f_[n - j];
-                push_[n] = mu * sum;
-            } else if constexpr (slips)
-                push_[n] = N_[n] * direction;
-            else
-                push_[n] = S_[n] + dashpot * g_[n];
-            if constexpr (!turns) {
-                X_[n + 1] = share * U_[n];
+            X_[n + 1] = share * U_[n];
+            twist_[n + 1] = 0.0;
+            if constexpr (kind == Kind::wall) {
                 U_[n + 1] = -share * N_[n];
                 w_[n + 1] = -share * push_[n];
                 u_[n + 1] = (share * c) * push_[n];
                 P_[n + 1] = share * w_[n];
                 Q_[n + 1] = Two{};
-                twist_[n + 1] = 0.0;
                 g_[n + 1] = w_[n + 1] - u_[n + 1];
             } else {
-                if (n > 0) {
-                    double curved = 0.0;
-                    for (int j = 0; j < n; ++j) curved += curve_[j] * X_[n - j];
-                    curve_[n] = ratio * per_width * curved;
-                }
-                if constexpr (kind == Kind::plane)
-                    turn_in_plane(n, share, c, ratio);
-                else
-                    turn_in_space(n, share, c, ratio);
-                X_[n + 1] = share * U_[n];
-                Two moved{};
-                for (int j = 0; j <= n + 1; ++j) moved += X_[j] * u_[n + 1 - j];
-                g_[n + 1] = (w_[n + 1] - u_[n + 1]) + ratio * moved;
+                double curved = 0.0, moved = 0.0;
+                for (int j = 0; j < n; ++j) curved += curve_[j] * X_[n - j];
+                if (n > 0) curve_[n] = ratio * per_width * curved;
+                turn_in_plane(n, share, c, ratio);
+                for (int j = 0; j <= n + 1; ++j) moved += X_[j] * u_[n + 1 - j][0];
+                g_[n + 1] = Two{(w_[n + 1][0] - u_[n + 1][0]) + ratio * moved, 0.0};
             }
-            if constexpr (!slips) S_[n + 1] = (share * k.stiffness) * g_[n];
-            if constexpr (slips) h_[n] = k.stiffness * g_[n] + (dashpot * (n + 1)) * g_[n + 1];
+            if constexpr (slips)
+                h_[n] = k.stiffness * g_[n] + (damping * (n + 1)) * g_[n + 1];
+            else
+                S_[n + 1] = (share * k.stiffness) * g_[n];
+        }
+        step_ = longest_step<kind, slips, false>();
+    }
+
+    // `directed`: the direction of slip changes. Each sum of products is taken over all terms known by then, in few
+    // loops of independent sums, and completed with the newest terms.
+    template <bool slips, bool directed>
+    void expand_in_space() {
+        const auto k = motion_.constants();
+        const double ratio = motion_.units().ratio, c = motion_.touch().rotational_ratio;
+        const double mu = motion_.friction().coefficient, damping = dashpot(slips);
+        N_[0] = k.elastic * X_[0] + k.damping * U_[0];
+        const bool from_zero = directed && N_[0] == 0.0;
+        const double per_width = 1.0 / (1.0 - ratio * X_[0]), per_force = from_zero ? 0.0 : 1.0 / N_[0];
+        curve_[0] = ratio * per_width;
+        if (directed) ft_[0] = turned(f_[0]);
+        for (int n = 0; n <= order; ++n) {
+            if (directed && from_zero && n > 0) f_[n] = ft_[n] = Two{};
+            if (n > 0) N_[n] = k.elastic * X_[n] + k.damping * U_[n];
+            Two force{}, a{}, moved{}, drive{}, next{};
+            double curved = 0.0, known = 0.0;
+            for (int j = 0, i = n; j < n; ++j, --i) {
+                if constexpr (directed) {
+                    force += N_[i] * f_[j];
+                    drive += h_[j] * ft_[i];
+                    known += N_[i] * turning_[j];
+                    next += turning_[j] * ft_[i];
+                }
+                curved += curve_[j] * X_[i];
+                a += curve_[j] * w_[i];
+                moved += X_[j + 1] * u_[i];
+            }
+            if constexpr (directed)
+                push_[n] = mu * (force + N_[0] * f_[n]);
+            else if constexpr (slips)
+                push_[n] = (mu * N_[n]) * f_[0];
+            else
+                push_[n] = S_[n] + damping * g_[n];
+            if (n == order) break;
+            if (n > 0) curve_[n] = ratio * per_width * curved;
+            a_[n] = a + curve_[n] * w_[0], at_[n] = turned(a_[n]);
+            turn_in_space(n, c, ratio);
+            moved += X_[0] * u_[n + 1] + X_[n + 1] * u_[0];
+            g_[n + 1] = (w_[n + 1] - u_[n + 1]) + ratio * moved;
+            if constexpr (!slips) S_[n + 1] = (k.stiffness / (n + 1)) * g_[n];
+            if constexpr (slips) h_[n] = k.stiffness * g_[n] + (damping * (n + 1)) * g_[n + 1];
             if constexpr (directed) {
-                if (from_zero)
+                if (from_zero) {
                     direct_from_zero(n, mu);
-                else
-                    direct(n, share, mu, per_force);
+                    continue;
+                }
+                turning_[n] = (sum(drive + h_[n] * ft_[0]) / mu - known) * per_force;
+                f_[n + 1] = (1.0 / (n + 1)) * (next + turning_[n] * ft_[0]);
+                ft_[n + 1] = turned(f_[n + 1]);
             }
         }
-        N_[order] = k.elastic * X_[order] + k.damping * U_[order];
-        if constexpr (directed) {
-            if (from_zero) f_[order] = ft_[order] = Two{};
-            Two sum{};
-            for (int j = 0; j <= order; ++j) sum += N_[j] * f_[order - j];
-            push_[order] = mu * sum;
-        } else if constexpr (slips)
-            push_[order] = N_[order] * direction;
-        else
-            push_[order] = S_[order] + dashpot * g_[order];
-        step_ = longest_step<kind, slips, directed>();
+        step_ = longest_step<Kind::space, slips, directed>();
     }
 
     void turn_in_plane(int n, double share, double c, double ratio) {
@@ -255,24 +276,21 @@ private:
         P_[n + 1] = Two{0.0, 0.5 * share * turn[1]};
     }
 
-    void turn_in_space(int n, double share, double c, double ratio) {
-        Two a{};
-        for (int j = 0; j <= n; ++j) a += curve_[j] * w_[n - j];
-        a_[n] = a, at_[n] = turned(a);
-        Two closing{}, twisted{}, whirl{}, lever{}, spun{};
-        for (int j = 0; j <= n; ++j) {
-            closing += U_[n - j] * a_[j];
-            twisted += twist_[n - j] * at_[j];
-            whirl += a_[j] * w_[n - j];
-            lever += X_[n - j] * push_[j];
-            spun += u_[n - j] * at_[j];
+    // The terms of order n + 1 of all but the forces.
+    void turn_in_space(int n, double c, double ratio) {
+        const double share = 1.0 / (n + 1);
+        Two closing{}, twisted{}, whirl{}, lever{}, spun{}, tilt{}, along{}, across{};
+        for (int j = 0, i = n; j <= n; ++j, --i) {
+            closing += U_[i] * a_[j];
+            twisted += twist_[i] * at_[j];
+            whirl += a_[j] * w_[i];
+            lever += X_[i] * push_[j];
+            spun += u_[i] * at_[j];
+            tilt += Q_[i][0] * at_[j] - Q_[i][1] * a_[j];
+            along += P_[i] * a_[j];
+            across += P_[i] * at_[j];
         }
-        Two tilt{}, along{}, across{};
-        for (int j = 0; j <= n; ++j) {
-            tilt += Q_[n - j][0] * at_[j] - Q_[n - j][1] * a_[j];
-            along += P_[n - j] * a_[j];
-            across += P_[n - j] * at_[j];
-        }
+        X_[n + 1] = share * U_[n];
         U_[n + 1] = -share * (N_[n] + sum(whirl));
         w_[n + 1] = share * (closing - push_[n]);
         u_[n + 1] = share * (c * (push_[n] - ratio * lever) + twisted);
@@ -281,18 +299,6 @@ private:
         Q_[n + 1] = (0.5 * share) * Two{-sum(across), sum(along)};
     }
 
-    // f_{n+1}
-    void direct(int n, double share, double mu, double per_force) {
-        Two drive{};
-        double known = 0.0;
-        for (int j = 0; j <= n; ++j) drive += h_[j] * ft_[n - j];
-        for (int j = 1; j <= n; ++j) known += N_[j] * turning_[n - j];
-        turning_[n] = (sum(drive) / mu - known) * per_force;
-        Two next{};
-        for (int j = 0; j <= n; ++j) next += turning_[j] * ft_[n - j];
-        f_[n + 1] = share * next;
-        ft_[n + 1] = turned(f_[n + 1]);
-    }
     // f_n where F_n = 0 at the start: ω_{n-1} from the terms of order n.
     void direct_from_zero(int n, double mu) {
         if (n == 0) return;

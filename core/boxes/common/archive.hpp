@@ -9,7 +9,7 @@
 
 namespace hardlimit::boxes {
 
-inline constexpr char archive_magic[16] = "hardlimit box D";
+inline constexpr char archive_magic[16] = "hardlimit box E";
 
 // Detects damaged files: FNV-1a over words of eight bytes.
 HL_FN u64 checksum(const char* data, std::size_t n) {

@@ -142,7 +142,8 @@ template <int d>
 struct Accumulators {
     u64 pairs = 0, walls = 0;  // collisions
     u64 elastic_by_tc = 0;
-    Sum dissipated;              // energy lost in collisions [J]
+    Sum dissipated;              // energy lost in collisions, friction included [J]
+    Sum friction_loss;           // by tangential impulses [J]
     Sums<d*(d + 1) / 2> virial;  // Σ r⊗Δp of pair collisions, components xx, yy, (zz,) xy, (xz, yz) [J s]
     Sum wall_work;               // done by moving walls [J]
     Sum shear_work;              // done by a Lees–Edwards boundary [J]

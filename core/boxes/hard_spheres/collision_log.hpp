@@ -10,17 +10,27 @@
 
 namespace hardlimit::boxes::spheres {
 
+// What the log holds of a collision.
+struct CollisionResult {
+    double separation_speed, lost;  // [m/s], dissipated energy [J]
+    // With friction.
+    double friction_loss = 0.0;                                               // part of `lost`
+    double tangential_speed = math::nan, tangential_restitution = math::nan;  // [m/s]
+    bool slid = false;
+};
+
 // Particles are given by their index in memory; `second` of a collision is a particle or the number of a wall.
 class CollisionLog {
 public:
     CollisionLog(const Records<u32>& original_index, const bool& keep)
         : original_index_(original_index), keep_(keep) {}
 
-    void add(double now, u32 i, i64 second, double speed, double separation_speed) {
+    void add(double now, u32 i, i64 second, double speed, const CollisionResult& result) {
         if (!keep_) return;
         const auto [first, last] = original(i, second);
         rows_.push_back({now, now, static_cast<std::int32_t>(first), static_cast<std::int32_t>(last), speed,
-                         separation_speed, false});
+                         result.separation_speed, false, result.slid, result.tangential_speed,
+                         result.tangential_restitution});
     }
     std::vector<ContactRecord> take() { return std::exchange(rows_, {}); }
 

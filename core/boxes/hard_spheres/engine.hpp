@@ -39,6 +39,8 @@ public:
     std::vector<Statistic> statistics() const override;
     double set_velocities(const double* velocity, const double* spin) override;
     void state(double* x, double* v) const override { particles_.state(x, v); }
+    bool rotates() const override { return particles_.rotates(); }
+    void spins(double* spin) const override;
     Observation observe() const override;
     bool contacts_have_duration() const override { return false; }
     std::vector<ContactRecord> take_log() override { return log_.take(); }
@@ -190,13 +192,16 @@ void HardSpheres<d, mixed>::after_collision(u32 i) {
 // time with the new velocity. Under the rule soft, a pair whose contact is over may collide again, and contacts with
 // walls end.
 template <int d, bool mixed>
-double HardSpheres<d, mixed>::set_velocities(const double* velocity, const double* /*spin*/) {
+double HardSpheres<d, mixed>::set_velocities(const double* velocity, const double* spin) {
     Sum lifted;
     for (u32 i = 0; i < particles_.size(); ++i) {
         const double time = particles_.paths[i].time;
         particles_.advance_to_now(i);
         if (collisions_.take_time()) lifted.add(last_contacts_.end_wall_contacts(particles_, i));
         particles_.set_velocity(i, velocity + std::size_t{particles_.original_index[i]} * d);
+        if (spin && rotates())
+            std::copy_n(spin + std::size_t{particles_.original_index[i]} * 3, 3,
+                        particles_.spins[i].velocity);
         boxes::advance(particles_.paths[i], time, setting_.box);
         if (collisions_.take_time()) last_contacts_.release(i, particles_.now);
     }
@@ -204,6 +209,12 @@ double HardSpheres<d, mixed>::set_velocities(const double* velocity, const doubl
     Stop never;
     predict_all(never);
     return lifted.value();
+}
+
+template <int d, bool mixed>
+void HardSpheres<d, mixed>::spins(double* spin) const {
+    for (u32 i = 0; i < particles_.size(); ++i)
+        std::copy_n(particles_.spins[i].velocity, 3, spin + std::size_t{particles_.original_index[i]} * 3);
 }
 
 template <int d, bool mixed>

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "collapse.hpp"
-#include "collision_log.hpp"
+#include "rubbing.hpp"
 #include "soft_contact.hpp"
 
 namespace hardlimit::boxes::spheres {
@@ -17,9 +17,11 @@ public:
         : particles_(particles),
           totals_(totals),
           soft_(particles, totals, cells, contacts),
+          rubbing_(particles),
           collapse_(collapse),
           log_(log),
-          rule_(make_rule(setting_.rule, {setting_.mass, setting_.largest_radius, !mixed})),
+          rule_(
+              make_rule(setting_.rule, {setting_.mass, setting_.largest_radius, !mixed, setting_.few_kinds})),
           take_time_(rule_ && rule_->takes_time()) {}
 
     // Whether contacts take time under the rule, so that LastContacts holds them.
@@ -88,6 +90,7 @@ private:
     Totals<d, mixed>& totals_;
     const Setting& setting_ = particles_.setting;
     SoftContacts<d, mixed> soft_;
+    Rubbing<d, mixed> rubbing_;
     CollapseDetector& collapse_;
     CollisionLog& log_;
     std::unique_ptr<Rule> rule_;
@@ -102,8 +105,12 @@ private:
         const PairGeometry pair = geometry(i, j);
         const double reduced = pair.effective_mass;
         const double smaller = math::min(particles_.radius(i), particles_.radius(j));
-        const double e = restitution({{reduced, t.distance, t.speed}, pair, smaller, since_last});
-        if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, j, t.speed);
+        Impact impact{{reduced, t.distance, t.speed}, pair, smaller, since_last};
+        Slip slip;
+        if (particles_.rotates()) slip = rubbing_.of_pair(t, impact);
+        const Rebound result = restitution(impact);
+        const double e = result.restitution;
+        if (const Outcome o = outcome_of(result); o != Outcome::ok) return end_unsolved(o, i, j, t.speed);
         // Relative velocity gained along r, in units of r [1/s]. Computed from r² without a square root: all pairs
         // touch at about the same distance, so that the rounding error of the root would be the same each time, and the
         // energy would drift.
@@ -117,11 +124,30 @@ private:
             to_i[k] = p.velocity[k] - impulse / particles_.mass(i);
             to_j[k] = q.velocity[k] + impulse / particles_.mass(j);
         }
+        CollisionResult end{e * t.speed, lost};
+        if (particles_.rotates()) rub(t, slip, result, to_i, to_j, end);
         totals_.set_velocity(i, to_i);
         totals_.set_velocity(j, to_j);
         if (t.image_velocity != 0.0) sums.shear_work.add(-(reduced * gain * t.r[0]) * t.image_velocity);
-        record(i, j, t.speed, {e * t.speed, lost}, waited);
+        record(i, j, t.speed, end, waited);
         ++sums.pairs;
+    }
+    // Adds the tangential impulse.
+    void rub(const Touch<d>& t, const Slip& slip, const Rebound& result, double (&to_i)[d], double (&to_j)[d],
+             CollisionResult& end) {
+        rubbing_.add_result(slip, result, end);
+        if (result.tangential_gain == 0.0) return;
+        const Vector3 impulse = rubbing_.impulse(slip, result.tangential_gain);
+        double changed[d];
+        for (std::size_t k = 0; k < d; ++k) {
+            changed[k] = impulse[k];
+            to_i[k] -= impulse[k] / particles_.mass(t.i);
+            to_j[k] += impulse[k] / particles_.mass(t.j);
+        }
+        totals_.so_far.add_virial(1.0, t.r, changed);
+        if (t.image_velocity != 0.0) totals_.so_far.shear_work.add(-changed[0] * t.image_velocity);
+        rubbing_.turn(t.i, slip, impulse);
+        rubbing_.turn(t.j, slip, impulse);
     }
     void contact(const Touch<d>& t) {
         double across[d];
@@ -129,10 +155,24 @@ private:
         const PairGeometry pair = geometry(t.i, t.j);
         const double one = particles_.radius(t.i), other = particles_.radius(t.j);
         const Approach approach{pair.effective_mass, one + other, t.speed, math::sqrt(square)};
-        const SoftContact contact =
-            rule_->contact({approach, pair, math::min(one, other), math::infinity}, deepest_);
+        const Impact impact{approach, pair, math::min(one, other), math::infinity};
+        if (particles_.rotates()) return rough_contact(t, impact);
+        const SoftContact contact = rule_->contact(impact, deepest_);
         if (contact.outcome != Outcome::ok) return end_unsolved(contact.outcome, t.i, t.j, t.speed);
         record(t.i, t.j, t.speed, soft_.of_pair(t, pair, contact), math::infinity);
+        ++totals_.so_far.pairs;
+    }
+    void rough_contact(const Touch<d>& t, Impact impact) {
+        const Slip slip = rubbing_.of_pair(t, impact);
+        Vector3 normal{}, velocity{};
+        for (std::size_t k = 0; k < d; ++k) normal[k] = t.r[k] / t.distance, velocity[k] = t.v[k];
+        const TurningApproach touch = rubbing_.approach(slip, impact, normal, velocity);
+        const TurningContact end = rule_->turning_contact(touch, impact, deepest_);
+        if (end.outcome != Outcome::ok) return end_unsolved(end.outcome, t.i, t.j, t.speed);
+        CollisionResult result = soft_.of_rough_pair(t, impact.pair, end);
+        result.lost += rubbing_.turn(t.i, slip, end) + rubbing_.turn(t.j, slip, end);
+        rubbing_.add_result(slip, touch, end, result);
+        record(t.i, t.j, t.speed, result, math::infinity);
         ++totals_.so_far.pairs;
     }
     // A soft contact of the particle with this wall was cut short behind its surface. The particle goes back along its
@@ -154,33 +194,79 @@ private:
         const int axis = wall.id.axis();
         const double m = particles_.mass(i), radius = particles_.radius(i), away = wall.inward();
         const double wall_velocity = wall.velocity(particles_.now);
-        const double e =
-            restitution({{m, math::infinity, speed}, {m, radius}, radius, since_last(i, waited)});
-        if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, wall.id.number, speed);
+        Impact impact{{m, math::infinity, speed}, {m, radius}, radius, since_last(i, waited)};
+        Slip slip;
+        if (particles_.rotates()) slip = rubbing_.at_wall(i, wall, impact);
+        const Rebound result = restitution(impact);
+        const double e = result.restitution;
+        if (const Outcome o = outcome_of(result); o != Outcome::ok)
+            return end_unsolved(o, i, wall.id.number, speed);
         double velocity[d];
         std::copy_n(particles_.paths[i].velocity, d, velocity);
         const double before = velocity[axis];
         velocity[axis] = away * (e * speed) + wall_velocity;
-        totals_.set_velocity(i, velocity);
-        const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
         const double gained = m * (velocity[axis] - before);
-        totals_.so_far.add_wall(wall.id, away * gained, gained * wall_velocity, lost);
-        record(i, wall.id.number, speed, {e * speed, lost}, waited);
+        CollisionResult end{e * speed, 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed};
+        if (particles_.rotates()) rub_at_wall(i, slip, result, velocity, end);
+        totals_.set_velocity(i, velocity);
+        totals_.so_far.add_wall(wall.id, away * gained, gained * wall_velocity, end.lost);
+        record(i, wall.id.number, speed, end, waited);
+    }
+    // A wall moves along its normal only: it does no work by the tangential impulse.
+    void rub_at_wall(u32 i, const Slip& slip, const Rebound& result, double (&velocity)[d],
+                     CollisionResult& end) {
+        rubbing_.add_result(slip, result, end);
+        if (result.tangential_gain == 0.0) return;
+        const Vector3 impulse = rubbing_.impulse(slip, result.tangential_gain);
+        for (std::size_t k = 0; k < d; ++k) velocity[k] -= impulse[k] / particles_.mass(i);
+        rubbing_.turn(i, slip, impulse);
     }
     void contact_with_wall(u32 i, const Wall& wall, const WallArrival& arrival) {
         const double m = particles_.mass(i), radius = particles_.radius(i);
         const double pressing =
             -wall.inward() * (particles_.box.gravity[wall.id.axis()] - wall.acceleration(particles_.now));
         const double speed = arrival.surface_speed;
-        const SoftContact contact = rule_->contact(
-            {{m, math::infinity, speed, 0.0, pressing}, {m, radius}, radius, math::infinity}, deepest_);
+        const Impact impact{{m, math::infinity, speed, 0.0, pressing}, {m, radius}, radius, math::infinity};
+        const SoftContact contact = rule_->contact(impact, deepest_);
         if (contact.outcome != Outcome::ok) return end_unsolved(contact.outcome, i, wall.id.number, speed);
+        if (particles_.rotates()) return rough_contact_with_wall(i, wall, arrival, pressing, impact, contact);
         record(i, wall.id.number, speed, soft_.at_wall(i, wall, arrival, pressing, contact), math::infinity);
     }
-    double restitution(const Impact& impact) {
+    // The normal motion is that without friction. Tangential motion is that of a contact without gravity, then a free
+    // flight: it neglects terms of order g t_c/v.
+    void rough_contact_with_wall(u32 i, const Wall& wall, const WallArrival& arrival, double pressing,
+                                 Impact impact, const SoftContact& contact) {
+        const Slip slip = rubbing_.at_wall(i, wall, impact);
+        const auto axis = static_cast<std::size_t>(wall.id.axis());
+        Vector3 normal{}, velocity{};
+        for (std::size_t k = 0; k < d; ++k) velocity[k] = -particles_.paths[i].velocity[k];
+        normal[axis] = -wall.inward(), velocity[axis] = wall.inward() * arrival.surface_speed;
+        const TurningApproach touch = rubbing_.approach(slip, impact, normal, velocity);
+        const TurningContact end = rule_->turning_contact(touch, impact, deepest_);
+        if (end.outcome != Outcome::ok)
+            return end_unsolved(end.outcome, i, wall.id.number, arrival.surface_speed);
+        const double m = particles_.mass(i);
+        Sliding<d> sliding;
+        for (std::size_t k = 0; k < d; ++k) {
+            if (k == axis) continue;
+            sliding.velocity[k] = velocity[k] - end.velocity[k];
+            sliding.shift[k] = end.duration * end.velocity[k] - end.shift[k];
+            sliding.lost += m * (0.5 * sliding.velocity[k] * (velocity[k] + end.velocity[k]) +
+                                 particles_.box.gravity[k] * sliding.shift[k]);
+        }
+        sliding.lost += rubbing_.turn(i, slip, end);
+        CollisionResult result = soft_.at_wall(i, wall, arrival, pressing, contact, sliding);
+        rubbing_.add_result(slip, touch, end, result);
+        record(i, wall.id.number, arrival.surface_speed, result, math::infinity);
+    }
+    Rebound restitution(const Impact& impact) {
         const Rebound rebound = rule_->rebound(impact, deepest_);
         totals_.so_far.elastic_by_tc += rebound.elastic_by_tc;
-        return rebound.restitution;
+        return rebound;
+    }
+    Outcome outcome_of(const Rebound& rebound) const {
+        if (deepest_.too_deep) return Outcome::too_deep;
+        return math::is_finite(rebound.tangential_gain) ? Outcome::ok : Outcome::unresolved;
     }
     double since_last(u32 i, double waited) const {
         return particles_.collisions(i) > 0 ? waited : math::infinity;
@@ -194,7 +280,8 @@ private:
     // Logs a collision of i, before it is counted, and ends the run if it is part of a collapse.
     void record(u32 i, i64 second, double speed, const CollisionResult& result, double waited) {
         if (result.lost != 0.0) totals_.so_far.dissipated.add(result.lost);
-        log_.add(particles_.now, i, second, speed, result.separation_speed);
+        if (result.friction_loss != 0.0) totals_.so_far.friction_loss.add(result.friction_loss);
+        log_.add(particles_.now, i, second, speed, result);
         const CollapseDetector::Collision c{particles_.now, i, second, speed, waited, rule_->can_collapse()};
         if (collapse_.collapses(
                 c, setting_.largest_radius, [this] { return totals_.typical_speed(); },

@@ -91,6 +91,8 @@ public:
         o.potential_energy = sums.potential();
         for (int k = 0; k < d; ++k) o.momentum[k] = sums.momentum(k);
         o.dissipated_energy = so_far.dissipated.value();
+        o.friction_loss = so_far.friction_loss.value();
+        if (particles_.rotates()) add_rotation(o);
         int k = 0;
         for (std::size_t c = 0; c < SymmetricTensor::size; ++c)
             if (SymmetricTensor::column[c] < d) {
@@ -141,6 +143,16 @@ private:
             sums.add_potential(particles_.mass(i) * potential);
         }
         return sums;
+    }
+    void add_rotation(Observation& o) const {
+        Sum energy, spin[3];
+        for (const u32 i : particles_.in_original_order()) {
+            const Spin& of = particles_.spins[i];
+            energy.add(of.energy());
+            for (int k = 0; k < 3; ++k) spin[k].add(of.velocity[k] / of.inverse_inertia);
+        }
+        o.rotational_energy = energy.value();
+        for (int k = 0; k < 3; ++k) o.spin.component[k] = spin[k].value();
     }
     ParticleSums<d> present_sums(bool from_flow) const {
         if (!so_far.are_exact()) return full_sums(from_flow);

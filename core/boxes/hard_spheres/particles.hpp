@@ -42,10 +42,12 @@ public:
     Records<std::array<int, d>> image_flags;  // how often each has left the box through a periodic side
     Records<u32> original_index;              // index in the user's arrays
     Records<double> rescans;                  // time of the next search for smaller particles [s]; or empty
+    Records<Spin> spins;                      // empty without friction
 
     explicit Particles(const Setting& setting) : setting(setting) {}
 
     u32 size() const { return static_cast<u32>(paths.size()); }
+    bool rotates() const { return !spins.empty(); }
     double mass(u32 i) const {
         if constexpr (mixed) return masses_[i];
         return setting.mass;
@@ -135,6 +137,7 @@ public:
         p.time = 0.0;
         p.radius = mixed ? s.radius[from] : collision_count;
         if constexpr (mixed) masses_[i] = s.mass[from];
+        if (rotates()) spins[i] = spin_of(s, from);
         original_index[i] = from;
         note_speed(p.velocity);
     }
@@ -144,6 +147,7 @@ public:
         image_flags.resize(n, {});
         original_index.resize(n);
         if constexpr (mixed) masses_.resize(n);
+        if (setting.rule.has_friction()) spins.resize(n);
         if (rescan) rescans.assign(n, math::infinity);
     }
     // now_at[i]: new index of the particle with index i; from: its inverse.
@@ -154,6 +158,7 @@ public:
         permute(original_index, from);
         if (!masses_.empty()) permute(masses_, from);
         if (!rescans.empty()) permute(rescans, from);
+        if (rotates()) permute(spins, from);
         for (PendingEvents& e : pending)
             if (e.partner != no_particle) e.partner = now_at[e.partner];
     }
@@ -180,11 +185,13 @@ public:
     }
     std::size_t bytes() const {
         const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-        return of(paths) + of(pending) + of(image_flags) + of(original_index) + of(masses_) + of(rescans);
+        return of(paths) + of(pending) + of(image_flags) + of(original_index) + of(masses_) + of(rescans) +
+               of(spins);
     }
     template <class Archive>
     void exchange(Archive& a) {
-        a(paths), a(pending), a(image_flags), a(original_index), a(masses_), a(rescans), a(fastest_);
+        a(paths), a(pending), a(image_flags), a(original_index), a(masses_), a(rescans), a(fastest_),
+            a(spins);
     }
 
 private:

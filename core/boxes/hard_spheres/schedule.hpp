@@ -50,7 +50,9 @@ private:
                           particles_.pending.data(),
                           particles_.paths.data(),
                           [this](u32 id) { return cells_.level(id); },
-                          [](u32) {},
+                          [this](u32 id) {
+                              if (particles_.rotates()) prefetch(&particles_.spins[id]);
+                          },
                           [this](u32 id) {
                               if (mixed) prefetch(&particles_.pending[id]);
                           }};

@@ -1,11 +1,14 @@
 // What stays the same during a run of hard spheres.
 #pragma once
 #include <algorithm>
+#include <array>
+#include <set>
 
 #include "../common/archive.hpp"
 #include "../common/engine.hpp"
 #include "../common/particle.hpp"
 #include "rules/rule.hpp"
+#include "spins.hpp"
 
 namespace hardlimit::boxes::spheres {
 
@@ -25,6 +28,7 @@ struct Setting {
     double mass = 0.0;                                   // of each particle, unless they differ [kg]
     double smallest_radius = 0.0, largest_radius = 0.0;  // [m]
     Motion motion = Motion::straight;
+    bool few_kinds = true;  // at most most_kinds kinds of particles with friction
 
     Setting(const System& s, const RuleChoice& rule, bool keeps_log, Growth growth)
         : box(s.box),
@@ -35,6 +39,7 @@ struct Setting {
           smallest_radius(*std::min_element(s.radius, s.radius + s.n)),
           largest_radius(*std::max_element(s.radius, s.radius + s.n)) {
         set_motion();
+        if (rule.has_friction()) count_kinds(s);
     }
     explicit Setting(Reader& saved) {
         exchange(saved);
@@ -42,13 +47,22 @@ struct Setting {
     }
     template <class Archive>
     void exchange(Archive& a) {
-        a(box), a(rule), a(growth), a(keeps_log), a(mass), a(smallest_radius), a(largest_radius);
+        a(box), a(rule), a(growth), a(keeps_log), a(mass), a(smallest_radius), a(largest_radius),
+            a(few_kinds);
     }
 
     bool falls() const { return motion == Motion::falling; }
     bool grows() const { return motion == Motion::growing; }
 
 private:
+    static constexpr std::size_t most_kinds = 16;
+
+    void count_kinds(const System& s) {
+        std::set<std::array<double, 3>> kinds;
+        for (std::size_t i = 0; i < s.n && kinds.size() <= most_kinds; ++i)
+            kinds.insert({s.radius[i], s.mass[i], inertia_factor(s, i)});
+        few_kinds = kinds.size() <= most_kinds;
+    }
     void set_motion() {
         motion = growth.rate != 0.0 ? Motion::growing : box.falls() ? Motion::falling : Motion::straight;
     }

@@ -148,6 +148,26 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
     return Overlap(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
 
 
+def check_friction(law: Law) -> None:
+    """Refuse friction that the engine by events does not solve: forces that jump, and springs that begin singular.
+
+    Raises
+    ------
+    ValueError
+    """
+    friction = law.friction
+    if friction is None or friction.model == "none" or not (friction.damping_ratio or friction.damping):
+        return
+    if friction.limit == "spring" and friction.coefficient < math.inf:
+        raise ValueError(
+            "limit: got 'spring' with tangential damping, must be 'total' for engine='events' (or engine='steps')"
+        )
+    if friction.damping and friction.model != "spring":
+        raise ValueError(
+            f"damping: got it with the model {friction.model}, must be damping_ratio for engine='events'"
+        )
+
+
 def check_box(system: ParticleSystem) -> None:
     """Refuse boxes in which a particle could come near two images of another one: engine events cannot handle them."""
     least = SMALLEST_EDGE * float(system.radius.max())

@@ -154,6 +154,7 @@ def molecular_dynamics(
         workers = checked_threads(threads, system.n)
     else:
         engine_choice.check_box(system)
+        engine_choice.check_friction(law)
     output = checked_output(samples, log, checkpoint, checkpoint_every, observe)
     with reporter(progress, record.task, record.counts) as report:
         settings = NewtonSettings(law, workers, reason)

@@ -429,7 +429,7 @@ class ParticleResult(_Result):
         return self._log_dataset()
 
     def plot(self) -> Figure:
-        """Plot temperature, collision rate and pressure over time, with kinetic theory if it applies."""
+        """Plot temperatures, collision rate and pressure over time, with kinetic theory if it applies."""
         from .. import plots
 
         return plots.gas(self)

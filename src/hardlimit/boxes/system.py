@@ -375,7 +375,8 @@ class ParticleSystem:
         """Write the system as extended XYZ, GSD or LAMMPS data, by the ending of ``path``.
 
         :meth:`read` returns the same numbers to the last bit, except masses in LAMMPS data: the file has densities, and
-        some masses have a rounding error. An existing file is replaced when the new one is complete.
+        some masses have a rounding error. LAMMPS data has the moments of inertia of solid bodies only. An existing file
+        is replaced when the new one is complete.
 
         Parameters
         ----------
@@ -385,7 +386,7 @@ class ParticleSystem:
         Raises
         ------
         ValueError
-            If the ending is unknown, or the format is not installed.
+            If the ending is unknown, the format is not installed, or it cannot hold a value of the system.
         OSError
             If the file cannot be written; names it.
         """

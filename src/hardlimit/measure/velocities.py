@@ -202,8 +202,8 @@ def _of_rotation(
         temperature = _sums(bin_of, twice, bins) / (axes * in_bin)
     dims, means = ((axis, "axis"), means) if axes == 3 else ((axis,), means[:, 0])
     return {
-        "mean_angular_velocity": variable(dims, means, "rad/s", "mean angular velocity"),
-        "rotational_temperature": variable(axis, temperature, "m2/s2", "rotational temperature T_r"),
+        "mean_angular_velocity": variable(dims, means, "rad/s", "mean spin Ω"),
+        "rotational_temperature": variable(axis, temperature, "m2/s2", "rotational temperature"),
     }
 
 

@@ -1,8 +1,12 @@
-// Collision rule "law": the coefficient of restitution ε(v) of the contact law for the colliding pair.
+// Collision rule "law": the coefficient of restitution ε(v) of the contact law for the colliding pair, with friction
+// also β of its contact with a fixed normal (T. Schwager, V. Becker & T. Pöschel, Eur. Phys. J. E 27, 107 (2008)).
 #pragma once
+#include <array>
+#include <map>
 #include <vector>
 
 #include "../../binary_contact/restitution_table.hpp"
+#include "../../binary_contact/tangential_table.hpp"
 #include "rule.hpp"
 
 namespace hardlimit::boxes::rules {
@@ -15,7 +19,7 @@ public:
                                           .takes_law = true,
                                           .error = "constant"};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
-        return with_law<std::unique_ptr<Rule>>(choice.law.law, [&]<class Law>() -> std::unique_ptr<Rule> {
+        return with_contact_law<std::unique_ptr<Rule>>(choice.law, [&]<class Law>() -> std::unique_ptr<Rule> {
             return std::make_unique<Of<Law>>(choice.law, typical);
         });
     }
@@ -53,6 +57,47 @@ private:
         };
         LawChoice choice_;
         std::vector<Known> known_;
+    };
+
+    // Tables of β for each pair of kinds, unless there are too many kinds.
+    template <FrictionalLaw Law>
+    class Of<Law> final : public Rule {
+    public:
+        using Normal = typename Law::Frictionless;
+        Of(const LawChoice& choice, const TypicalParticle& typical)
+            : choice_(choice), few_kinds_(typical.few_kinds), normal_(choice, typical) {}
+
+        Rebound rebound(const Impact& impact, DeepestImpact& deepest) override {
+            Rebound r = normal_.rebound(impact, deepest);
+            const double speed = impact.approach.normal_speed;
+            const TangentialResult t = few_kinds_ ? table(impact)(speed, impact.slip_speed)
+                                                  : new_table(impact).solve(speed, impact.slip_speed);
+            r.tangential_gain = t.gain, r.slid = t.slid;
+            return r;
+        }
+
+    private:
+        using Key = std::array<double, 3>;
+        LawChoice choice_;
+        bool few_kinds_;
+        Of<Normal> normal_;
+        std::map<Key, TangentialTable> tables_;
+        Key last_{};
+        TangentialTable* table_ = nullptr;  // of last_
+
+        TangentialTable& table(const Impact& c) {
+            const Key key{c.pair.effective_mass, c.pair.effective_radius, c.rotational_ratio};
+            if (table_ && key == last_) return *table_;
+            auto place = tables_.find(key);
+            if (place == tables_.end()) place = tables_.emplace(key, new_table(c)).first;
+            last_ = key, table_ = &place->second;
+            return *table_;
+        }
+        TangentialTable new_table(const Impact& c) const {
+            const Law law = make_law<Law>(choice_, c.pair);
+            const double mass = c.pair.effective_mass, tangential = mass / (1.0 + c.rotational_ratio);
+            return TangentialTable({Law::record.powers, law.coefficients(), mass, tangential, law.friction});
+        }
     };
 };
 

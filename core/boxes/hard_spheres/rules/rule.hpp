@@ -9,6 +9,7 @@
 
 #include "../../binary_contact/deepest_impact.hpp"
 #include "../../binary_contact/equivalent_collision.hpp"
+#include "../../binary_contact/turning_contact.hpp"
 #include "../../common/law_choice.hpp"
 
 namespace hardlimit::boxes {
@@ -54,6 +55,7 @@ struct RuleChoice {
 struct TypicalParticle {
     double mass, radius;  // [kg], [m]
     bool alike;
+    bool few_kinds = true;  // so few kinds of particles that each pair of kinds has a table
 
     PairGeometry pair() const { return {0.5 * mass, 0.5 * radius}; }
     PairGeometry at_wall() const { return {mass, radius}; }
@@ -65,12 +67,17 @@ struct Impact {
     PairGeometry pair;
     double smaller_radius;  // [m]
     double since_last;  // time since the last collision of either, the shorter [s]; infinite before the first
+    // With friction.
+    double slip_speed = 0.0;        // tangential speed of the surfaces [m/s]
+    double rotational_ratio = 0.0;  // m (R_i²/I_i + R_j²/I_j) with the effective mass m; m/m_t − 1
 };
 
 // Result of an instantaneous collision.
 struct Rebound {
     double restitution;
-    bool elastic_by_tc = false;  // made elastic by the rule tc
+    bool elastic_by_tc = false;    // made elastic by the rule tc
+    double tangential_gain = 0.0;  // 1 + β; NaN if the contact was not solved
+    bool slid = false;             // the surfaces have slipped; without a law: |J_t| = μ J_n
 };
 
 // Result of a contact of finite duration.
@@ -89,6 +96,10 @@ public:
     virtual bool takes_time() const { return false; }
     virtual Rebound rebound(const Impact&, DeepestImpact&) { return {1.0}; }
     virtual SoftContact contact(const Impact&, DeepestImpact&) { return {}; }
+    // The contact of surfaces with friction, if contacts take time. At a wall contact() gives the normal motion.
+    virtual TurningContact turning_contact(const TurningApproach&, const Impact&, DeepestImpact&) {
+        return {};
+    }
     // Whether infinitely many collisions are possible in a finite time.
     virtual bool can_collapse() const { return true; }
 };

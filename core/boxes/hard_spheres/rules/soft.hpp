@@ -20,7 +20,7 @@ public:
         .counts = {"n_soft", "n_soft_third_body", "third_body_share"},
         .share = "with a third body in reach"};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
-        return with_law<std::unique_ptr<Rule>>(choice.law.law, [&]<class Law>() -> std::unique_ptr<Rule> {
+        return with_contact_law<std::unique_ptr<Rule>>(choice.law, [&]<class Law>() -> std::unique_ptr<Rule> {
             return std::make_unique<Of<Law>>(choice.law, typical);
         });
     }
@@ -55,6 +55,31 @@ private:
         Law law_;
         bool alike_;
         TabulatedContacts<Law> contacts_;
+    };
+
+    // Solves each contact.
+    template <FrictionalLaw Law>
+    class Of<Law> final : public Rule {
+    public:
+        using Normal = typename Law::Frictionless;
+        Of(const LawChoice& choice, const TypicalParticle& typical)
+            : choice_(choice), normal_(choice, typical) {}
+
+        bool takes_time() const override { return true; }
+        SoftContact contact(const Impact& impact, DeepestImpact& deepest) override {
+            return normal_.contact(impact, deepest);
+        }
+        TurningContact turning_contact(const TurningApproach& touch, const Impact& impact,
+                                       DeepestImpact& deepest) override {
+            const Law law = make_law<Law>(choice_, impact.pair);
+            note_impact(deepest, static_cast<const Normal&>(law), impact.approach, impact.smaller_radius);
+            if (deepest.too_deep) return {.outcome = Outcome::too_deep};
+            return solve_turning_contact(law, touch);
+        }
+
+    private:
+        LawChoice choice_;
+        Of<Normal> normal_;
     };
 };
 

@@ -7,8 +7,9 @@
 
 namespace hardlimit::boxes {
 
-template <class Law>
+template <class AnyLaw>
 struct Equations {
+    using Law = AnyLaw;
     static constexpr int p = Law::onset_power;
 
     const ContactNetwork<Law>& network;
@@ -45,6 +46,15 @@ struct Equations {
             dy[layout.rubbed()] = gamma * sums.rubbed;
             turn_directions(y, dy);
         }
+    }
+
+    // Whether the direction in which a pair slips may turn in this step.
+    bool turns(int pair) const
+        requires FrictionalLaw<Law>
+    {
+        const ContactPair<Law>& q = network.pairs[pair];
+        return q.state == ContactState::closed && q.surfaces.slips && !q.surfaces.frozen && !network.planar &&
+               q.law.friction.stiffness.factor > 0.0;
     }
 
 private:
@@ -150,9 +160,9 @@ private:
             double* slope = dy + layout.surface(q);
             const Vector3 still = at.transport(at.memory());
             for (std::size_t k = 0; k < 3; ++k) slope[k] = dy[layout.time()] * still[k];
-            if (network.planar || pair.surfaces.frozen) continue;
+            if (!turns(q)) continue;
             const double across = at.drive(dy).across, z = y[layout.surface(q) + 3];
-            if (across != 0.0) slope[3] = 0.5 * (1.0 + z * z) * across / at.limit();
+            if (across != 0.0 && at.limit() != 0.0) slope[3] = 0.5 * (1.0 + z * z) * across / at.limit();
         }
     }
 };

@@ -38,7 +38,7 @@ struct EventSearch {
         // Close to the zero the midpoint rule suffices, whose error is third order in the remaining distance. It needs
         // two evaluations instead of twelve.
         const auto move = [&](double x, double next) {
-            if (math::abs(next - x) <= 1e-4 * whole)
+            if (math::abs(next - x) <= 1e-4 * whole && !in.implicit)
                 in.nudge(f, next - x);
             else
                 in.probe(f, state, next);

@@ -145,10 +145,7 @@ public:
         }
         for (std::size_t c = 0; c < before.size(); ++c)
             if (c < from() || c >= from() + 4) state_.y[c] = before[c];
-        if (slips) {
-            q_.surfaces.frozen = force == 0.0 && !network_.planar;
-            return;
-        }
+        if (slips) return;
         q_.surfaces.slips = q_.surfaces.slid = false;
         keep((force > 0.0 ? q_.law.friction.coefficient * force / size - damping : -damping) * now.slip);
     }

@@ -121,13 +121,9 @@ struct IntegratedStep {
         if (!(in.length > 0.0)) in.length = longest;
         in.begin(f, state);
         double bound = math::infinity;
-        if constexpr (FrictionalLaw<Law>) {
-            if (!network.planar && (bound = longest_slip_step(longest)) < 0.0) {  // a pair is frozen now
-                bound = math::infinity;
-                in.forget();
-                in.begin(f, state);
-            }
-        }
+        in.implicit = false;
+        if constexpr (FrictionalLaw<Law>)
+            if (!network.planar) bound = choose_method(longest);
         const Snapshot<Law> start = state.at(network);
         const auto value = [&](int q, ContactEvent kind) {
             return event_function(start, in.slope.data(), q, kind).value;
@@ -136,54 +132,65 @@ struct IntegratedStep {
         if constexpr (FrictionalLaw<Law>)
             if (const PairEvent now = surface_event_at_start(network, state, in.slope.data()))
                 return {.event = now};
-        double length = math::min(in.length, bound);
+        double& next = in.implicit ? in.implicit_length : in.length;
+        if (!(next > 0.0)) next = longest;
+        double length = math::min(next, bound);
         bool last = false;
         if constexpr (p == 1) {
             last = length >= until - state.time();
             if (last) length = until - state.time();
         }
+        if (in.implicit) set_tolerances(state.at(network), scales, length, tolerance, 0.0, in.tolerance);
         in.advance(f, state, length);
         const double lost = state.y[state.layout.loss()] - ledger.dissipated;
         set_tolerances(state.at(network), scales, length, tolerance, lost, in.tolerance);
-        const double error = in.error(state, length), growth = DormandPrince::growth(error);
+        const double error = in.error(state, length);
+        const double growth = in.implicit ? Radau::growth(error) : DormandPrince::growth(error);
         const bool accepted = error <= 1.0;
-        if (!accepted || (!last && length == in.length) || growth < 1.0) in.length = length * growth;
+        if (!accepted || (!last && length == next) || growth < 1.0) next = length * growth;
         if (accepted) return end_step(until, length, last);
-        return {.failed = in.length < 1e-20 * scales.time(network)};
+        return {.failed = next < 1e-20 * scales.time(network)};
     }
 
 private:
-    // Largest step for which the directions of slip relax slowly enough, and which does not end beyond the contact of
-    // one that turns. Freezes those that no longer matter; negative if there is one.
-    double longest_slip_step(double longest)
+    // Chooses the method of the step, and returns a bound of its length. A direction that relaxes quickly is implicit; one
+    // that relaxes slowly at the end of its contact is followed by steps in proportion to F_n, until the rest of the
+    // impulse is negligible, and then keeps still.
+    double choose_method(double longest)
         requires FrictionalLaw<Law>
     {
-        constexpr double mild = 2.0, negligible = 1e-14, little = 1e-9;
-        double least = math::infinity;
+        constexpr double mild = 3.0, negligible = 1e-14;
+        double bound = math::infinity;
         bool freezes = false;
         for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
-            ContactPair<Law>& q = network.pairs[i];
-            if (q.state != ContactState::closed || !q.surfaces.slips) continue;
+            PairSurfaces<Law>& surfaces = network.pairs[i].surfaces;
+            if (!f.turns(i) && !surfaces.frozen) continue;
             const SurfacePair<Law> at(state.at(network), i);
-            if (!at.has_spring()) continue;
             const auto drive = at.drive(integrator.slope.data());
-            const double clock = integrator.slope[state.layout.time()], limit = math::max(at.limit(), 0.0);
-            const double unit = q.mass * scales.speed * math::abs(drive.growth);
-            // What the force has given since it was zero, or will give until then.
-            const double impulse = clock * limit * limit;
-            if (drive.growth > 0.0 || limit == 0.0) {
-                q.surfaces.frozen = q.surfaces.frozen && !(impulse > little * unit);
-                if (q.surfaces.frozen)
-                    least = math::min(least, longest * (p == 1 ? 1e-4 : p == 2 ? 1e-2 : 0.1));
-            } else if (!q.surfaces.frozen && impulse < negligible * unit) {
-                q.surfaces.frozen = freezes = true;
+            const double limit = math::max(at.limit(), 0.0), step = math::min(integrator.length, longest);
+            const double pull = math::sqrt(drive.along * drive.along + drive.across * drive.across);
+            const bool stiff = !(pull * step < mild * limit);
+            if (!(drive.growth < 0.0)) {
+                surfaces.frozen = false;
+                integrator.implicit = integrator.implicit || stiff;
+                continue;
             }
-            if (q.surfaces.frozen) continue;
-            const double rate = math::sqrt(drive.along * drive.along + drive.across * drive.across) / limit;
-            least = math::min(least, mild / rate);
-            if (drive.growth < 0.0) least = math::min(least, 0.7 * limit / -drive.growth);
+            const double left = limit / -drive.growth,
+                         rest = integrator.slope[state.layout.time()] * limit * left;
+            if (surfaces.frozen || rest < negligible * network.pairs[i].mass * scales.speed) {
+                freezes = freezes || !surfaces.frozen;
+                surfaces.frozen = true;
+            } else if (pull * left < mild * limit) {
+                bound = math::min(bound, 0.7 * left);
+            } else {
+                integrator.implicit = integrator.implicit || stiff;
+            }
         }
-        return freezes ? -1.0 : least;
+        if (freezes) {
+            integrator.forget();
+            integrator.begin(f, state);
+        }
+        return bound;
     }
     // Takes the step up to the first event or to `until`.
     Progress end_step(double until, double length, bool last) {

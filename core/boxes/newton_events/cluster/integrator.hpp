@@ -1,7 +1,7 @@
 // Steps of order 8 of a state vector, and states within the step.
 #pragma once
 #include "../../../base/dormand_prince.hpp"
-#include "state.hpp"
+#include "slip_step.hpp"
 
 namespace hardlimit::boxes {
 
@@ -9,13 +9,15 @@ namespace hardlimit::boxes {
 // d/dτ, computed by f(y, slope).
 class Integrator {
 public:
-    double length = 0.0;  // of the next step; 0: unknown
+    double length = 0.0;           // of the next step; 0: unknown
+    bool implicit = false;         // whether the step is one of SlipStep; with friction only
+    double implicit_length = 0.0;  // of the next such step; 0: unknown
     WorkVector<double> slope, end, end_slope, trial, trial_slope, tolerance;
     WorkVector<double> near, near_slope;  // close to one of these states, for differences
 
     // For a state that has changed since the last step; restart() also forgets the length of the step.
     void forget() { known_ = false; }
-    void restart() { known_ = false, length = 0.0; }
+    void restart() { known_ = false, length = implicit_length = 0.0; }
 
     template <class F>
     void begin(const F& f, const StateVector& state) {
@@ -32,6 +34,7 @@ public:
         advance(f, state, step, end);
     }
     double error(const StateVector& state, double step) const {
+        if (implicit) return error_;
         const int n = state.layout.size(), used = state.layout.virial();
         return DormandPrince::error(stages_.data(), step, n, tolerance.data(), used, used + 1);
     }
@@ -74,12 +77,20 @@ public:
 private:
     template <class F>
     HL_FN_APART void advance(const F& f, const StateVector& state, double step, WorkVector<double>& out) {
+        if constexpr (FrictionalLaw<typename F::Law>)
+            if (implicit) {
+                error_ = SlipStep<typename F::Law>(f, tolerance.data(), slip_)
+                             .take(state.y.data(), step, out.data());
+                return;
+            }
         std::copy(slope.begin(), slope.end(), stages_.begin());
         const StateLayout& at = state.layout;
         DormandPrince::step(f, state.y.data(), step, at.size(), stages_.data(), out.data(), at.virial());
     }
 
     WorkVector<double> stages_;
+    SlipStages slip_;
+    double error_ = 0.0;  // of an implicit step
     bool known_ = false;  // whether `slope` is that of the state
 };
 

@@ -123,8 +123,10 @@ public:
         }
         const double bend = is_wall() ? 0.0 : dot(dv, g.normal) + clock * dot(turn, turn) * g.distance;
         const double rate_slope = is_wall() ? -dot(dv, g.normal) : -bend;
-        const double root_slope =
-            q_.rooted ? dy[at.root(pair_)] : clock * g.rate / (p * math::power<p - 1>(s));
+        const double stretch = p * math::power<p - 1>(s);  // dξ/ds
+        const double root_slope = q_.rooted       ? dy[at.root(pair_)]
+                                  : stretch > 0.0 ? clock * g.rate / stretch
+                                                  : 0.0;
         Vector3 h = (clock * term(friction().stiffness)) * slip;
         if (!limits_spring() && viscous > 0.0) {
             const Vector3 change =

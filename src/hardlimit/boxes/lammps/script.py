@@ -161,6 +161,7 @@ def _run(system: ParticleSystem, plan: Plan, rotation: Rotation | None) -> Itera
 
 def _rotation(system: ParticleSystem) -> Iterator[str]:
     """Commands for the rotational energy and the spin; ``compute erotate/sphere`` takes disks for spheres."""
+    yield "# with friction: rotational energy and spin, and at walls the torques of these"
     yield "compute omega all property/atom omegax omegay omegaz"
     yield f'variable inertia atom "{float(factor_of(system)[0])!r}*mass*radius*radius"'
     omega = [f"c_omega[{k}]" for k in (1, 2, 3)]

@@ -1,0 +1,402 @@
+"""Laws with friction in the event-driven engine for Newton's equations."""
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import hardlimit as hl
+from box_engines import core_contact, core_engine
+from conftest import DATA, slow
+from hardlimit import _core
+from hardlimit.boxes.contacts import law_arguments
+from hardlimit.boxes.falling_frame import spin_arguments
+from hardlimit.contact.friction import MODELS
+
+#: Solved in quadruple precision, by RK4 with located events (tests/data/README.md).
+CASES = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
+SPRING = hl.Friction(0.3, stiffness_ratio=0.9)
+Floats = NDArray[np.float64]
+
+
+def linear(friction: hl.Friction, restitution: float = 0.9, stiffness: float = 1e5) -> hl.LinearDashpot:
+    return hl.LinearDashpot(stiffness=stiffness, restitution=restitution, friction=friction)
+
+
+def engine(system: hl.ParticleSystem, law: hl.Law, **options: Any) -> _core.Engine:
+    return core_engine("newton_events", system, law, **spin_arguments(system), **options)
+
+
+def by_events(system: hl.ParticleSystem, law: hl.Law, until: float, **options: Any) -> hl.ContactResult:
+    return hl.molecular_dynamics(system, law=law, until=until, engine="events", **options)
+
+
+def cluster(dimension: int = 3) -> hl.ParticleSystem:
+    """Five bodies that meet in the middle of a box and spin."""
+    rng = np.random.default_rng(5)
+    d = dimension
+    directions = np.concatenate([np.zeros((1, d)), np.eye(d), -np.eye(d)])[:5]
+    positions = 0.1 + 0.0205 * directions + 1e-4 * rng.uniform(-1.0, 1.0, directions.shape)
+    velocities = -1.5 * directions + 0.3 * rng.standard_normal(directions.shape)
+    spins = 100.0 * rng.standard_normal((5, 3))
+    return hl.ParticleSystem(
+        positions=positions,
+        velocities=velocities,
+        radius=0.01 * rng.uniform(0.8, 1.0, 5),
+        mass=0.01 * rng.uniform(0.5, 1.0, 5),
+        box=[0.2] * d,
+        angular_velocities=spins if d == 3 else spins[:, 2],
+    )
+
+
+def gas(*, n: int = 40, dimension: int = 3, boundary: str = "periodic", seed: int = 2) -> hl.ParticleSystem:
+    system = hl.ParticleSystem.random(
+        n=n, packing_fraction=0.3, radius=(0.7e-3, 1e-3), density=2500.0, rms_speed=1.0, dimension=dimension,
+        boundary=boundary, gravity=9.81 if boundary == "wall" else 0.0, seed=seed,
+    )  # fmt: skip
+    spins = 1e3 * np.random.default_rng(seed).standard_normal((n, 3))
+    return spinning(system, spins if dimension == 3 else spins[:, 2])
+
+
+def spinning(system: hl.ParticleSystem, spins: Floats) -> hl.ParticleSystem:
+    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
+    return hl.ParticleSystem(**{name: getattr(system, name) for name in names}, angular_velocities=spins)
+
+
+def total_energy(seen: dict[str, Any]) -> float:
+    parts = ("kinetic", "potential", "rotational", "contact", "dissipated")
+    return float(sum(seen[f"{part}_energy"] for part in parts) - seen["wall_work"] - seen["shear_work"])
+
+
+def angular_momentum(run: Any, system: hl.ParticleSystem) -> Floats:
+    """Σ m x×v + I ω (3,)."""
+    positions, velocities = (np.pad(a, ((0, 0), (0, 3 - a.shape[1]))) for a in run.state())
+    orbital = np.cross(positions, system.mass[:, None] * velocities)
+    return np.asarray((orbital + system.inertia[:, None] * run.spins()).sum(axis=0))
+
+
+def engine_of(case: dict[str, Any], law: hl.Law) -> _core.Engine:
+    """An engine from plain numbers: bodies may overlap with walls."""
+    box = _core.Box(*(case[name] for name in ("box", "boundary", "gravity")))
+    arrays = [np.array(case[name], float) for name in ("positions", "velocities", "radius", "mass")]
+    spins = np.array(case["angular_velocities"], float).reshape(len(arrays[0]), -1)
+    if spins.shape[1] == 1:
+        spins = np.pad(spins, ((0, 0), (2, 0)))
+    factors = np.full(len(spins), float(case["inertia_factor"]))
+    arguments = {"spins": spins, "inertia_factor": factors, "law": law_arguments(law), "log": True}
+    return _core.make_engine("newton_events", box, *arrays, **arguments)
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["kind"] for case in CASES])
+def test_reference_boxes(case: dict[str, Any]) -> None:
+    """Every contact of the reference, and the state and energies at its end."""
+    friction = hl.Friction(
+        math.inf if case["friction"] is None else case["friction"],
+        stiffness=case["tangential_stiffness"],
+        damping=case["tangential_damping"],
+    )
+    law = linear(friction, case["restitution"], case["stiffness"])
+    run = engine_of(case, law)
+    run.advance(case["until"])
+    log, still_open = run.take_log(), run.open_contacts()
+    contacts = sorted(
+        row for part in (log, still_open) for row in zip(*(part[k].tolist() for k in ROW), strict=True)
+    )
+    wanted = sorted(row[:4] for row in case["contacts"])
+    assert [row[2:] for row in contacts] == [tuple(row[2:]) for row in wanted]
+    for row, other in zip(contacts, wanted, strict=True):
+        assert row[0] == pytest.approx(other[0], abs=1e-9 * case["until"])
+        if other[1] is not None and other[1] <= case["until"]:
+            assert row[1] == pytest.approx(other[1], abs=1e-8 * case["until"])
+    positions, velocities = run.state()
+    spins = run.spins() if case["dimension"] == 3 else run.spins()[:, 2]
+    smallest, scale = min(case["radius"]), case["speed_scale"]
+    tolerance = min(case["tolerance"], 2e-9)
+    assert np.abs(positions - case["end_positions"]).max() < tolerance * smallest
+    assert np.abs(velocities - case["end_velocities"]).max() < tolerance * scale
+    assert np.abs(spins - case["end_angular_velocities"]).max() * smallest < tolerance * scale
+    seen = run.observe()
+    for name in ("kinetic_energy", "rotational_energy", "tangential_energy"):
+        assert seen[name] == pytest.approx(case[name], rel=1e-8, abs=1e-9 * case["kinetic_energy"])
+    normal = seen["contact_energy"] - seen["tangential_energy"]
+    assert normal == pytest.approx(case["normal_energy"], rel=1e-8, abs=1e-9 * case["kinetic_energy"])
+
+
+ROW = ("begin", "end", "first", "second")
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.5])
+@pytest.mark.parametrize("coefficient", [0.05, 0.5, math.inf])
+def test_conservation(coefficient: float, damping_ratio: float) -> None:
+    """Momentum, angular momentum and energy over a cluster of five bodies, and at an instant within it."""
+    system = cluster()
+    law = linear(hl.Friction(coefficient, stiffness_ratio=0.9, damping_ratio=damping_ratio))
+    run = engine(system, law, log=True)
+    energy, turning, moving = (
+        total_energy(run.observe()),
+        angular_momentum(run, system),
+        system.mass @ system.velocities,
+    )
+    size = float(system.mass @ np.linalg.norm(system.velocities, axis=1))
+    for time in (0.0012, 0.01):
+        run.advance(time)
+        seen = run.observe()
+        assert total_energy(seen) == pytest.approx(energy, rel=1e-10)
+        assert seen["momentum"] == pytest.approx(moving, abs=1e-13 * size)
+        assert angular_momentum(run, system) == pytest.approx(turning, abs=2e-12 * size * 0.1)
+    assert run.statistics()["largest_cluster"] >= 3
+    assert run.take_log()["overlapped"].any()
+
+
+def pair_after(law: hl.Law, velocity: Floats, spins: Floats, time: float) -> tuple[Floats, Floats]:
+    """Relative velocity [m/s] and (R_i ω_i + R_j ω_j)/(R_i + R_j) [rad/s] after a contact along (1, 2, 2)/3."""
+    radius, mass, normal = np.array([0.01, 0.006]), np.array([0.01, 0.004]), np.array([1.0, 2.0, 2.0]) / 3.0
+    approach = 1e-6
+    other = normal * radius.sum() - approach * velocity
+    system = hl.ParticleSystem(
+        positions=0.1 + np.array([np.zeros(3), other]),
+        velocities=np.array([-velocity * mass[1], velocity * mass[0]]) / mass.sum() + 0.2,
+        radius=radius,
+        mass=mass,
+        box=[0.2] * 3,
+        angular_velocities=spins,
+    )
+    run = engine(system, law)
+    run.advance(approach + time)
+    moving = run.state()[1]
+    return moving[1] - moving[0], radius @ run.spins() / radius.sum()
+
+
+def frictional_laws() -> list[hl.Law]:
+    """All laws and models."""
+    laws: list[hl.Law] = []
+    for model in MODELS:
+        for limit in ("total", "spring"):
+            none, rubs = model == "none", limit == "total"
+            options: dict[str, Any] = {"model": model, "limit": limit}
+            options["damping_ratio"] = 0.4 if none else 0.3 * rubs
+            if model in ("spring", "none"):
+                laws.append(linear(hl.Friction(0.3, **options), 0.8))
+            if model == "spring":
+                options["stiffness"] = 3e4
+            friction = hl.Friction(0.3, **options)
+            hertz = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "friction": friction}
+            laws += [hl.Tsuji(restitution=0.8, **hertz), hl.Viscoelastic(dissipative_time=2e-5, **hertz)]
+    return laws
+
+
+@pytest.mark.parametrize(
+    "law", frictional_laws(), ids=lambda law: f"{type(law).__name__}-{law.friction.model}"
+)
+def test_single_contacts(law: hl.Law) -> None:
+    """Against the contact of two spheres in the frame of its normal (oblique_impact), at several angles."""
+    normal, across = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, 1.0, -2.0]) / 3.0
+    radius, mass = np.array([0.01, 0.006]), np.array([0.01, 0.004])
+    effective = mass.prod() / mass.sum()
+    for tangent, spin in ((0.1, 0.0), (0.5, 40.0), (1.5, 150.0)):
+        velocity = -normal + tangent * across
+        spins = spin * np.array([[1.0, -0.5, 0.3], [0.2, 0.6, -1.0]])
+        end = _core.turning_contact(
+            core_contact(law, effective, radius.prod() / radius.sum()), radius.sum(), radius.sum(),
+            effective * (2.5 / mass).sum(), normal, velocity, radius @ spins / radius.sum(),
+        )  # fmt: skip
+        moving, turning = pair_after(law, velocity, spins, 1.2 * end["duration"])
+        assert moving == pytest.approx(end["velocity"], abs=3e-9)
+        assert turning == pytest.approx(end["spin"], abs=3e-9 / radius.sum())
+
+
+def test_convergence_of_steps() -> None:
+    """The engine by steps converges to this one at the second order."""
+    system, law, end = cluster(), linear(SPRING), 0.004
+    exact = by_events(system, law, end).system
+    errors = []
+    for step in (4e-7, 2e-7):
+        other = hl.molecular_dynamics(
+            system, law=law, until=end, engine="steps", time_step=step, threads=1
+        ).system
+        errors.append(np.abs(other.angular_velocities - exact.angular_velocities).max())
+    assert errors[1] < 0.02
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
+
+
+def test_symmetries() -> None:
+    """A box turned by a right angle, mirrored, or with its bodies in another order."""
+    system, law = cluster(), linear(SPRING)
+    end = by_events(system, law, 0.01).system
+
+    def of(
+        positions: Floats, velocities: Floats, spins: Floats, order: Any = slice(None)
+    ) -> hl.ParticleSystem:
+        return hl.ParticleSystem(
+            positions=positions[order], velocities=velocities[order], radius=system.radius[order],
+            mass=system.mass[order], box=system.box, angular_velocities=spins[order],
+        )  # fmt: skip
+
+    def agree(first: hl.ParticleSystem, other: hl.ParticleSystem) -> None:
+        assert first.velocities == pytest.approx(other.velocities, abs=1e-9)
+        assert first.angular_velocities == pytest.approx(other.angular_velocities, abs=1e-7)
+
+    state = lambda s: (s.positions, s.velocities, s.angular_velocities)  # noqa: E731
+    turned = by_events(of(*(x[:, [1, 2, 0]] for x in state(system))), law, 0.01).system
+    agree(turned, of(*(x[:, [1, 2, 0]] for x in state(end))))
+    order = [3, 1, 4, 0, 2]
+    agree(by_events(of(*state(system), order), law, 0.01).system, of(*state(end), order))
+    flip, axial = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
+    shift = np.array([0.2, 0.0, 0.0])
+    mirror = lambda s: of(s.positions * flip + shift, s.velocities * flip, s.angular_velocities * axial)  # noqa: E731
+    agree(by_events(mirror(system), law, 0.01).system, mirror(end))
+
+
+def test_opposite_spins_give_no_friction() -> None:
+    """An equal pair with ±ω, as gears (Chung & Ooi 2011, test 6)."""
+    spins = np.array([[0.0, 0.0, 300.0], [0.0, 0.0, -300.0]])
+    system = hl.ParticleSystem(
+        positions=[[0.09, 0.1, 0.1], [0.111, 0.1, 0.1]], velocities=[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
+        radius=0.01, mass=0.01, box=[0.2] * 3, angular_velocities=spins,
+    )  # fmt: skip
+    run = by_events(system, linear(SPRING, 1.0), 0.01)
+    assert run.n_contacts == 1
+    assert (run.system.angular_velocities == spins).all()
+    assert run.system.velocities == pytest.approx(-system.velocities, abs=1e-9)
+
+
+def test_sliding_on_a_floor() -> None:
+    """A sphere with u0 rolls at 5/7 u0 from 2 u0/(7 μ g) on (LAMMPS' own test)."""
+    mass, radius, gravity, mu, stiffness, speed = 0.01, 0.01, 9.81, 0.3, 1e4, 0.1
+    friction = hl.Friction(mu, stiffness_ratio=2 / 7, damping_ratio=1.0)
+    velocity = np.array([0.6 * speed, 0.8 * speed, 0.0])
+    ball = {
+        "positions": [[0.05, 0.06, radius - mass * gravity / stiffness]], "velocities": [velocity],
+        "radius": [radius], "mass": [mass], "inertia_factor": 0.4, "angular_velocities": [[0.0] * 3],
+        "box": [0.2] * 3, "boundary": ["periodic", "periodic", "wall"], "gravity": [0.0, 0.0, -gravity],
+    }  # fmt: skip
+    rolls = 2.0 * speed / (7.0 * mu * gravity)
+    run = engine_of(ball, linear(friction, 0.5, stiffness))
+    run.advance(0.9 * rolls)
+    slides = np.linalg.norm(run.state()[1])
+    assert slides == pytest.approx(speed - 0.9 * mu * gravity * rolls, rel=5e-3)
+    run.advance(3.0 * rolls)
+    assert run.state()[1][0] == pytest.approx(5 / 7 * velocity, rel=1e-3, abs=1e-6)
+    assert run.spins()[0] == pytest.approx(
+        np.array([-0.8, 0.6, 0.0]) * 5 / 7 * speed / radius, rel=1e-3, abs=1e-4
+    )
+
+
+@pytest.mark.parametrize("tangent", [0.1, 0.6, 1.5])
+def test_hard_limit(tangent: float) -> None:
+    """β of a pair with v t_c/d → 0 is that of a contact with a fixed normal."""
+    deviations = []
+    for stiffness in (1e6, 1e8):
+        law = linear(SPRING, 0.9, stiffness)
+        normal, across = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, 1.0, -2.0]) / 3.0
+        mass = 0.01 * 0.004 / 0.014
+        contact = core_contact(law, mass, 0.01 * 0.006 / 0.016)
+        end = _core.turning_contact(
+            contact,
+            math.inf,
+            0.016,
+            2.5,
+            np.array([0.0, 0.0, 1.0]),
+            np.array([tangent, 0.0, -1.0]),
+            np.zeros(3),
+        )
+        moving, turning = pair_after(law, -normal + tangent * across, np.zeros((2, 3)), 1.2 * end["duration"])
+        slip = moving - normal * (moving @ normal) - 0.016 * np.cross(turning, normal)
+        fixed = end["velocity"][0] - 0.016 * end["spin"][1]
+        deviations.append(abs(slip @ across - fixed))
+    assert deviations[1] < 3e-3
+    assert deviations[1] < 0.2 * deviations[0]
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "wall"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_energy_of_gases(dimension: int, boundary: str) -> None:
+    """Many contacts, also at walls; no body leaves the region that others keep clear of."""
+    system = gas(dimension=dimension, boundary=boundary)
+    run = engine(system, linear(SPRING, 0.9, 2e3), log=True)
+    energy, used = total_energy(run.observe()), 0.0
+    for time in np.linspace(0.0, 4e-3, 9)[1:]:
+        run.advance(float(time))
+        used = max(used, run.largest_safety_use(8))
+        seen = run.observe()
+        assert total_energy(seen) == pytest.approx(energy, abs=1e-10 * energy)
+        assert 0.0 <= seen["friction_loss"] <= seen["dissipated_energy"]
+    assert run.outcome == "ok"
+    assert used <= 1.0
+    log = run.take_log()
+    assert len(log["slid"]) > 30
+    assert 0.0 < log["slid"].mean() <= 1.0
+    assert np.abs(log["tangential_restitution"]).max() < 30.0
+
+
+def test_saved_states() -> None:
+    """A run that is interrupted and loaded goes on with the same bits."""
+    system, law = gas(), linear(SPRING, 0.9, 2e3)
+    whole = engine(system, law, log=True)
+    whole.advance(3e-3)
+    part = engine(system, law, log=True)
+    part.advance(3e-3, max_work=150)
+    assert part.paused
+    part = _core.load_engine("newton_events", part.save())
+    part.advance(3e-3)
+    for first, other in zip((*part.state(), part.spins()), (*whole.state(), whole.spins()), strict=True):
+        assert (first == other).all()
+    assert part.take_log()["end"].tolist() == whole.take_log()["end"].tolist()
+    assert part.observe()["friction_loss"] == whole.observe()["friction_loss"] > 0.0
+
+
+def test_kicks_with_spins() -> None:
+    """Velocities and spins change within contacts, which go on: energy jumps by what the kick adds."""
+    system, law = gas(), linear(hl.Friction(0.3, stiffness_ratio=0.9, damping_ratio=0.5), 0.9, 2e3)
+    run = engine(system, law)
+    rng = np.random.default_rng(1)
+    for time in (1e-3, 2e-3, 3e-3):
+        run.advance(time)
+        before = run.observe()
+        assert before["n_in_contact"] > 0
+        run.kick(run.state()[1] + 0.2 * rng.standard_normal((system.n, 3)), 0.0, 1.1 * run.spins())
+        after = run.observe()
+        assert after["n_contacts"] == before["n_contacts"]
+        assert after["rotational_energy"] == pytest.approx(1.21 * before["rotational_energy"], rel=1e-12)
+        assert after["contact_energy"] == pytest.approx(before["contact_energy"], rel=1e-2)
+        energy = total_energy(after)
+        run.advance(time + 5e-4)
+        assert total_energy(run.observe()) == pytest.approx(energy, rel=1e-9)
+
+
+def test_without_friction_nothing_changes() -> None:
+    """μ = 0 gives the bits of smooth grains."""
+    system = gas()
+    smooth = by_events(system, linear(hl.Friction(0.0), 0.9, 2e3), 2e-3).system
+    plain = by_events(system, hl.LinearDashpot(stiffness=2e3, restitution=0.9), 2e-3).system
+    assert (smooth.velocities == plain.velocities).all()
+
+
+@slow
+def test_small_friction() -> None:
+    """μ → 0 approaches smooth grains in proportion."""
+    system = gas(n=20)
+    plain = by_events(system, hl.LinearDashpot(stiffness=2e3, restitution=0.9), 2e-3).system
+    for mu in (1e-5, 1e-7):
+        rough = by_events(system, linear(hl.Friction(mu), 0.9, 2e3), 2e-3).system
+        assert np.abs(rough.velocities - plain.velocities).max() < 1e3 * mu
+
+
+@pytest.mark.parametrize(
+    ("friction", "message"),
+    [
+        (hl.Friction(0.3, limit="spring", damping_ratio=0.5), "limit: got 'spring' with tangential damping"),
+        (hl.Friction(0.3, model="mindlin", damping=0.5), "damping: got it with the model mindlin"),
+    ],
+)
+def test_refused_friction(friction: hl.Friction, message: str) -> None:
+    law = (
+        hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5, friction=friction)
+        if (friction.model)
+        else linear(friction)
+    )
+    with pytest.raises(ValueError, match=message):
+        by_events(cluster(), law, 1e-3)
