@@ -67,6 +67,7 @@ def estimated(
         )
     try:
         check_box(system)
+        check_friction(law)
     except ValueError as error:
         return Choice("steps", str(error))
     duration, restitution, temperature = typical_contact(system, law)
