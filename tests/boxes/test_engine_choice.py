@@ -331,3 +331,27 @@ def test_fidelity_chooses_once_for_all_replicas(tmp_path: Any) -> None:
             system, **options, engine=engine, store=store, progress=lambda *seen, told=told: told.append(seen)
         )
         assert again.dataset.identical(fidelity.dataset) and told[0][0] == told[-1][1]
+
+
+# --- friction -----------------------------------------------------------------------------------------------
+
+
+def test_friction_has_costs_of_its_own() -> None:
+    """Short contacts under a linear law with a spring go by events; all others by steps."""
+    system, rubbing = gas(), hl.Friction(0.5)
+    for tc_nu, engine in ((1e-4, "events"), (0.1, "steps")):
+        law = softened(system, tc_nu).replace(friction=rubbing)
+        chosen, reason = engine_choice.estimated(system, law, 1.0)
+        assert chosen == engine and f"at t_c ν = {tc_nu:.2g} at the start a contact costs about " in reason
+    stiff = softened(system, 1e-4)
+    damped = hl.Friction(0.5, damping_ratio=1.0, limit="spring")
+    assert (
+        "limit: got 'spring'" in engine_choice.estimated(system, stiff.replace(friction=damped), 1.0).reason
+    )
+    hertz = hl.Viscoelastic(youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-8, friction=rubbing)
+    assert engine_choice.estimated(system, hertz, 1.0) == (
+        "steps",
+        "with friction only contacts under linear laws with a spring are fast by events",
+    )
+    smooth = stiff.replace(friction=hl.Friction(0.0))
+    assert engine_choice.estimated(system, smooth, 1.0) == engine_choice.estimated(system, stiff, 1.0)

@@ -37,7 +37,7 @@ def test_grains_at_rest_stay_so_in_other_states() -> None:
 
 def test_cooling_counts_the_energy_of_rotation() -> None:
     system = box()
-    found = hl.fidelity(system, law=LAW, until=2e-3, models=["newton"], engine="steps", samples=2)
+    comparison = hl.fidelity(system, law=LAW, until=2e-3, models=["newton"], engine="steps", samples=2)
     run = hl.molecular_dynamics(
         system, law=LAW, until=2e-3, engine="steps", samples=2, restitution_error=1e-4
     )
@@ -46,21 +46,21 @@ def test_cooling_counts_the_energy_of_rotation() -> None:
     ]
     lost = float(run.series.dissipated_energy[-1])
     expected = math.sqrt(energy[0] / (energy[0] - lost)) - 1.0
-    cooling = found.dataset["cooling"].sel(statistic="mean", model="newton").values
+    cooling = comparison.dataset["cooling"].sel(statistic="mean", model="newton").values
     assert cooling[-1] == pytest.approx(expected, rel=1e-12)
-    temperature = found.dataset["rotational_temperature"].sel(statistic="mean", model="newton").values
+    temperature = comparison.dataset["rotational_temperature"].sel(statistic="mean", model="newton").values
     assert temperature == pytest.approx(run.series.rotational_temperature.values, rel=1e-12)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_constant_rule_has_the_tangential_restitution_of_a_gas(dimension: int) -> None:
     """Of the inertia of these grains, and of their dimension."""
-    found = hl.fidelity(
+    comparison = hl.fidelity(
         box(dimension, inertia_factor=0.6), law=LAW, until=1e-4, models=["newton", "constant"], samples=1
     )
     ball = hl.Ball(1e-3, density=2500.0, inertia_factor=0.6)
     expected = LAW.between(ball, ball).effective_tangential_restitution(dimension=dimension)
-    assert found.plan.tangential_restitution == pytest.approx(expected, rel=1e-9)
+    assert comparison.plan.tangential_restitution == pytest.approx(expected, rel=1e-9)
 
 
 def test_elastic_grains_that_rub_may_be_sheared() -> None:
@@ -73,7 +73,7 @@ def test_elastic_grains_that_rub_may_be_sheared() -> None:
 
 
 def test_a_saved_comparison_keeps_spins(tmp_path: Path) -> None:
-    found = hl.fidelity(box(), law=LAW, until=1e-4, models=["newton", "law"], samples=1)
-    loaded = hl.load(found.save(tmp_path / "found.nc"))
-    assert loaded.start == found.start and loaded.plan == found.plan
-    assert loaded.dataset.equals(found.dataset)
+    comparison = hl.fidelity(box(), law=LAW, until=1e-4, models=["newton", "law"], samples=1)
+    loaded = hl.load(comparison.save(tmp_path / "found.nc"))
+    assert loaded.start == comparison.start and loaded.plan == comparison.plan
+    assert loaded.dataset.equals(comparison.dataset)

@@ -10,6 +10,8 @@ import numpy as np
 
 from .. import _core
 from ..contact.contact import Law
+from ..contact.friction import SPRING
+from ..contact.laws import LinearDashpot
 from ..support import validation
 from . import time_step
 from .box import AXES
@@ -24,6 +26,9 @@ SMALLEST_EDGE: Final = 4.2
 #: factor of t_c ν. By steps: a constant, and the factor of 1/(ν Δt), the number of steps between two contacts.
 BY_EVENTS: Final = (1.6, 35.0)
 BY_STEPS: Final = (9.0, 0.0045)
+#: The same with friction, under linear laws with a tangential spring.
+BY_EVENTS_WITH_FRICTION: Final = (30.0, 2.5e4)
+BY_STEPS_WITH_FRICTION: Final = (45.0, 0.0017)
 #: Packing fraction of the densest disordered packings, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}
 
@@ -56,10 +61,13 @@ def estimated(
 
     The costs and the three values of t_c ν are described in the notes of :func:`hardlimit.molecular_dynamics`.
     """
-    if rubs(law):
-        return Choice("steps", "with friction a contact costs less by steps")
+    if rubs(law) and not has_whole_contacts(law):
+        return Choice(
+            "steps", "with friction only contacts under linear laws with a spring are fast by events"
+        )
     try:
         check_box(system)
+        check_friction(law)
     except ValueError as error:
         return Choice("steps", str(error))
     duration, restitution, temperature = typical_contact(system, law)
@@ -74,13 +82,21 @@ def estimated(
     if not most.tc_nu < 2.0 * system.dimension:  # contacts per particle of an isostatic packing
         return Choice("steps", f"contacts last, t_c ν = {most.tc_nu:.2g} {most.when}")
     at = f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about"
-    by_events, by_steps = BY_EVENTS[0] + BY_EVENTS[1] * most.tc_nu, BY_STEPS[0]
+    of_events, of_steps = (BY_EVENTS, BY_STEPS)
+    if rubs(law):
+        of_events, of_steps = (BY_EVENTS_WITH_FRICTION, BY_STEPS_WITH_FRICTION)
+    by_events, by_steps = of_events[0] + of_events[1] * most.tc_nu, of_steps[0]
     if by_events <= by_steps:  # for any time step; the search for the step would take time
         return Choice("events", f"{at} {by_events:.2g} µs by events, more than {by_steps:g} µs by steps")
     step = time_step.chosen(system, law, restitution_error, None)
-    by_steps += BY_STEPS[1] * duration / (most.tc_nu * step)
+    by_steps += of_steps[1] * duration / (most.tc_nu * step)
     name = "events" if by_events <= by_steps else "steps"
     return Choice(name, f"{at} {by_events:.2g} µs by events, {by_steps:.2g} µs by steps")
+
+
+def has_whole_contacts(law: Law) -> bool:
+    """Whether engine events solves an isolated contact with friction as a whole: a linear law with a spring."""
+    return law.friction is not None and law.friction.model == SPRING and isinstance(law, LinearDashpot)
 
 
 def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, float]:

@@ -109,7 +109,8 @@ def molecular_dynamics(
     ``"auto"`` estimates the cost of a contact as 1.6 µs + 35 µs·t_c ν by events and as 9 µs + 4.5 ns/(ν Δt) by steps of
     Δt, as measured on gases. t_c ν is the largest of three values: Enskog's initial rate times the duration of a
     typical contact; the number of open contacts per particle at the start; and the value at the end of the run in a bed
-    that settles on a wall, infinite if the bed comes to rest.
+    that settles on a wall, infinite if the bed comes to rest. With friction the costs are others, and only contacts
+    under a linear law with a tangential spring may go by events (:doc:`engines`).
 
     Engine steps uses velocity Verlet: Swope et al., J. Chem. Phys. 76, 637 (1982). LAMMPS: Thompson et al., Comput.
     Phys. Commun. 271, 108171 (2022).

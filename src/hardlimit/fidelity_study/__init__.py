@@ -150,6 +150,8 @@ def fidelity(
     limits = {"lowest_allowed": True, "highest_allowed": True}
     resolved = validation.number("resolution", resolution, LEAST_RESOLUTION, 1.0, **limits)
     solver = validation.one_of("engine", engine, ENGINES)
+    if solver == "events":
+        engine_choice.check_friction(law)
     elsewhere = scheduler is not None or (many > 1 and count > 1)
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
