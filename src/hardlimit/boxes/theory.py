@@ -301,7 +301,7 @@ class Gas:
     ) -> float:
         """Coefficient of friction μ_c below which a cooling gas keeps its rotation: T_r/T grows without bound.
 
-        Above it T_r/T tends to that of one of the :meth:`RotatingGas.cooling_states`. So do all gases at
+        Above it T_r/T tends to that of one of the :meth:`RotatingGas.cooling_states`; in theory at any start if
         μ > √((1 − ε)/(1 + ε)), since the sliding of fast spins then heats translation more than collisions cool it.
 
         Parameters
