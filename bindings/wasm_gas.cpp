@@ -5,9 +5,10 @@
 // The caller writes its input to gas_setting(): numbers in the order of `Field`, then positions (2n) and velocities
 // (2n), in SI units. Both engines start from this setting. Worlds: 0 hard spheres, 1 Newton's equations.
 //
-// The module contains one contact law, the linear dashpot (registry.hpp), and disks of one kind in a box at rest.
+// The module contains one contact law, the linear dashpot (registry.hpp), and smooth disks of one kind in a box at rest.
 #define HARDLIMIT_LAWS(X) X(LinearDashpot)
 #define HARDLIMIT_BOXES_AT_REST
+#define HARDLIMIT_SMOOTH
 
 #include <algorithm>
 #include <memory>

@@ -21,8 +21,7 @@
 // A law with friction (concept FrictionalLaw) has in addition
 //   friction                 FrictionTerms (friction.hpp): stiffness, damping and limit of the tangential force. A
 //                            solver integrates that force
-// Only the time-stepping engine accepts such a law. Columns, clusters of bodies in contact and tables of contacts need
-// a FrictionlessLaw.
+// The engines of boxes accept such a law. Columns and tables of contacts need a FrictionlessLaw.
 #pragma once
 #include "../base/math.hpp"
 

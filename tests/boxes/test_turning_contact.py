@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hardlimit as hl
-from conftest import DATA, draws, refusal
+from conftest import DATA, draws, output_of, refusal
 from hardlimit import _core
 
 NEWTON = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
@@ -160,6 +161,15 @@ def test_against_an_independent_integration(seed: int) -> None:
     np.testing.assert_allclose(impact.spins, end[12:18].reshape(2, 3), atol=1e-9 * scale, rtol=0)
     moved = end[:6].reshape(2, 3) - start
     np.testing.assert_allclose(impact.displacements, moved, atol=1e-9 * scale * draw.duration, rtol=0)
+
+
+@pytest.mark.slow
+def test_series_against_the_general_method(tmp_path: Path) -> None:
+    """Under a linear law: largest differences of 3000 contacts, relative to the speeds; both methods err by 1e-11."""
+    words = output_of("boxes/turning_series.cpp", tmp_path).split()
+    compared, left, duration, motion, balance, many = map(float, words)
+    assert compared > 2900 and left < 100
+    assert duration < 3e-12 and motion < 2e-10 and balance < 2e-12 and many < 30
 
 
 class Driven(Motion):

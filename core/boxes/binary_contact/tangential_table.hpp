@@ -29,6 +29,15 @@ inline bool depends_on_speed(const contact::FrictionalContact& c) {
            (f.stiffness.factor != 0.0 && f.stiffness.power != c.powers.elastic - 4);
 }
 
+// Whether the surfaces slip for more than rounding.
+struct SlipObserver {
+    bool slid = false;
+    template <class At>
+    void operator()(contact::Surfaces surfaces, double begin, double end, const At&) {
+        slid = slid || (surfaces == contact::Surfaces::slip && end - begin > 1e-12 * end);
+    }
+};
+
 class TangentialTable {
 public:
     explicit TangentialTable(const contact::FrictionalContact& contact)
@@ -93,14 +102,6 @@ private:
             return {1.0 - motion.state().slip, observer.slid};
         });
     }
-    struct SlipObserver {
-        bool slid = false;
-        template <class At>
-        void operator()(contact::Surfaces surfaces, double begin, double end, const At&) {
-            slid = slid || (surfaces == contact::Surfaces::slip && end - begin > 1e-12 * end);
-        }
-    };
-
     // Chebyshev series through the extrema of the highest polynomial, both ends included.
     void fill(std::size_t at, double low, double high) {
         constexpr int n = order - 1;

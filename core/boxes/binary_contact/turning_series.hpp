@@ -466,7 +466,7 @@ private:
         const auto f = slope(N_, t);
         return simple(f.value, f.slope);
     }
-    // Positive until the surfaces begin to slip, or to stick. Where both forces are zero at the start it is divided by t.
+    // Positive until the surfaces begin to slip, or to stick. Divided by t if both forces are zero at the start.
     EventFunction holding(double t) const {
         const double mu = motion_.friction().coefficient;
         if (!motion_.slips) {

@@ -5,13 +5,20 @@
 
 namespace hardlimit::boxes {
 
+// A module of smooth particles defines HARDLIMIT_SMOOTH, and is smaller.
+#ifdef HARDLIMIT_SMOOTH
+inline constexpr bool particles_rub = false;
+#else
+inline constexpr bool particles_rub = true;
+#endif
+
 struct LawChoice {
     int law = -1;         // index in the registry of laws; −1: none
     int alternative = 0;  // index of the parameter set
     double parameters[max_parameters] = {};
     Friction friction;  // of all contacts; none if its coefficient is 0
 
-    bool has_friction() const { return friction.coefficient > 0.0; }
+    bool has_friction() const { return particles_rub && friction.coefficient > 0.0; }
     explicit operator bool() const { return law >= 0; }
 };
 
@@ -29,7 +36,8 @@ Result with_law(int place, const Visit& visit) {
 template <class Result, class Visit>
 Result with_contact_law(const LawChoice& choice, const Visit& visit) {
     return with_law<Result>(choice.law, [&]<class Law>() -> Result {
-        if (choice.has_friction()) return visit.template operator()<WithFriction<Law>>();
+        if constexpr (particles_rub)
+            if (choice.has_friction()) return visit.template operator()<WithFriction<Law>>();
         return visit.template operator()<Law>();
     });
 }

@@ -35,8 +35,8 @@ class Ledger {
 public:
     using Group = ContactGroup<Law>;
 
-    // Without unfinished groups and the motion of the bodies. Dissipated energies include the elastic energies that slack
-    // pairs and tangential springs still store.
+    // Without unfinished groups and the motion of the bodies. Dissipated energies include the elastic energies that
+    // slack pairs and tangential springs still store.
     Observation sums;
     double clustered = 0.0;   // time that bodies have spent in clusters [s]
     int largest_cluster = 0;  // number of its members

@@ -48,7 +48,7 @@ struct RuleChoice {
     // Of the constant rule, without a law: coefficient of friction μ, 0: none; and β without sliding.
     double friction = 0.0, tangential_restitution = -1.0;
 
-    bool has_friction() const { return friction > 0.0 || law.has_friction(); }
+    bool has_friction() const { return particles_rub && (friction > 0.0 || law.has_friction()); }
 };
 
 // The largest particle, for which rules make tables. `alike`: all particles are of this kind.

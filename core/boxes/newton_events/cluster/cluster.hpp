@@ -6,6 +6,10 @@
 // a closed contact is integrated together with the positions. A closed pair that reaches the largest compression of its
 // law (deepest_compression) ends the run of the cluster. Under a linear law a step is a power series (linear.hpp), and
 // events are zeros of polynomials. While no pair exerts a force, the members fly in closed form (flight.hpp).
+//
+// With friction the spins and what the surfaces of each pair keep (surfaces.hpp) are components too, also under a
+// linear law, and the begins of slip and stick are events. Steps in which a direction of slip relaxes quickly are
+// implicit in it (slip_step.hpp).
 #pragma once
 #include <algorithm>
 #include <limits>

@@ -153,9 +153,9 @@ struct IntegratedStep {
     }
 
 private:
-    // Chooses the method of the step, and returns a bound of its length. A direction that relaxes quickly is implicit; one
-    // that relaxes slowly at the end of its contact is followed by steps in proportion to F_n, until the rest of the
-    // impulse is negligible, and then keeps still.
+    // Chooses the method of the step, and returns a bound of its length. A direction that relaxes quickly is implicit.
+    // One that relaxes slowly at the end of its contact is followed by steps in proportion to F_n, until the rest of
+    // the impulse is negligible, and then keeps still.
     double choose_method(double longest)
         requires FrictionalLaw<Law>
     {

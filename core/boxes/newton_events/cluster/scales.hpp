@@ -29,9 +29,10 @@ public:
         0.0;  // upper bound on a member's speed relative to the others, or to walls if one may be touched [m/s]
 
     Scales() = default;
-    // The speed is that of the lightest member with all energy, kinetic in the cluster's frame, of spins and elastic. A second
-    // wall with another velocity, a wall that changes its velocity, or a moving image does work in this frame: it may
-    // add several times this difference. Bodies may lie at rest: gravity adds its speed within a millionth of a radius.
+    // The speed is that of the lightest member with all energy, kinetic in the cluster's frame, of spins and elastic. A
+    // second wall with another velocity, a wall that changes its velocity, or a moving image does work in this frame:
+    // it may add several times this difference. Bodies may lie at rest: gravity adds its speed within a millionth of a
+    // radius.
     template <class Law>
     explicit Scales(const ContactNetwork<Law>& network) {
         double smallest = math::infinity, energy = 0.0;

@@ -1,0 +1,89 @@
+// Contacts with friction under a linear law by power series and by the general method: prints how many were compared,
+// how many the series left to the other method, the largest differences of duration, velocity and spin, and of the
+// balance of energy, and how many velocities differ by more than 1e-11.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+
+#include "boxes/binary_contact/turning_contact.hpp"
+#include "contact/linear_dashpot.hpp"
+
+namespace {
+
+using namespace hardlimit;
+using namespace hardlimit::boxes;
+using Law = contact::LinearDashpot;
+
+std::mt19937_64 bits(3);
+double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+double decades(double least, double most) { return least * math::exp(uniform() * math::log(most / least)); }
+template <std::size_t n>
+double any_of(const double (&values)[n]) {
+    return values[static_cast<std::size_t>(uniform() * n)];
+}
+Vector3 any_vector() { return {2.0 * uniform() - 1.0, 2.0 * uniform() - 1.0, 2.0 * uniform() - 1.0}; }
+
+// The normal speed, the effective mass and the distance at touch are 1.
+struct Contact {
+    WithFriction<Law> law;
+    TurningApproach touch;
+};
+Contact any_contact() {
+    const double restitution = any_of({1.0, 1.0 - 1e-6, 0.9, 0.6, 0.3, 0.05}), part = decades(1e-5, 0.3);
+    const Law normal = Law::from_damping_ratio((math::pi / part) * (math::pi / part),
+                                               contact::linear_damping_ratio(-math::log(restitution)), 1.0);
+    FrictionTerms friction;
+    friction.coefficient = any_of({0.05, 0.1, 0.5, 1.5, math::infinity});
+    friction.stiffness = {decades(0.05, 3.0) * normal.stiffness, 0};
+    friction.damping = {any_of({0.0, 0.0, 0.5, 1.0}) * normal.damping, 0};
+    friction.limit = uniform() < 0.8 ? SlipLimit::total : SlipLimit::spring;
+    const bool wall = uniform() < 0.2, flat = uniform() < 0.2;
+    TurningApproach a{1.0, wall ? math::infinity : 1.0, 1.0, decades(1.0, 8.0), {0.0, 0.0, 1.0}, {}, {}};
+    const double slide = any_of({0.0, 1e-6, 0.1, 1.0, 3.0, 30.0}), turn = any_of({0.0, 1e-8, 0.1, 1.0, 10.0});
+    for (std::size_t k = 0; k < 3; ++k)
+        a.velocity[k] = slide * any_vector()[k], a.spin[k] = turn * any_vector()[k];
+    if (flat) a.velocity[1] = a.spin[0] = a.spin[2] = 0.0;
+    a.velocity[2] = -1.0;
+    return {{normal, friction}, a};
+}
+
+double size(const Vector3& a) { return math::sqrt(dot(a, a)); }
+double difference(const Vector3& a, const Vector3& b) {
+    return size({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+}
+
+double imbalance(const TurningApproach& a, const TurningContact& e) {
+    const auto energy = [&](const Vector3& v, const Vector3& w) {
+        return 0.5 * (dot(v, v) + dot(w, w) / a.rotational_ratio);
+    };
+    const double before = energy(a.velocity, a.spin);
+    const double taken =
+        e.normal_spring + e.tangential_spring + e.normal_damping + e.tangential_damping + e.slip;
+    return math::abs(energy(e.velocity, e.spin) + taken - before) / before;
+}
+
+}  // namespace
+
+int main(int, char** arguments) {
+    const int count = arguments[1] ? std::atoi(arguments[1]) : 3000;
+    int compared = 0, left = 0, many = 0;
+    double duration = 0.0, motion = 0.0, balance = 0.0;
+    for (int i = 0; i < count; ++i) {
+        const Contact c = any_contact();
+        const TurningContact whole = TurningSolver<Law>(c.law, c.touch).integrate([](const auto&) {});
+        const TurningContact end = TurningSeries<Law>(c.law, c.touch).integrate([](const auto&) {});
+        if (whole.outcome != Outcome::ok || end.outcome != Outcome::ok) {
+            ++left;
+            continue;
+        }
+        const double speed = size(c.touch.velocity) + size(c.touch.spin);
+        const double off =
+            math::max(difference(end.velocity, whole.velocity), difference(end.spin, whole.spin)) / speed;
+        ++compared, many += off > 1e-11;
+        duration = math::max(duration, math::abs(end.duration / whole.duration - 1.0));
+        motion = math::max(motion, off);
+        balance = math::max(balance, imbalance(c.touch, end));
+    }
+    std::printf("%d %d %.3g %.3g %.3g %d\n", compared, left, duration, motion, balance, many);
+}
