@@ -1,11 +1,11 @@
 // 1 + β of the exact contact of one pair with a fixed normal (core/contact/frictional_impact.hpp), from a table.
 //
-// If the scaled contact does not depend on the speed, 1 + β is a function of M = κ μ v/g alone (scaled_impact.hpp). With
-// x = M/(1 + M) in [0, 1], (1 + β)/x is finite at both ends and analytic but for kinks, where the sequence of stick and
-// slip changes. Intervals of x are halved until polynomials of degree 15 (Chebyshev) have converged: the smallest are
-// those at kinks. An interval is filled when a collision first falls into it; its numbers do not depend on the order of
-// the collisions. The error of β is at most 1e-10; where halving does not reach this, and at x < 2^-17, the contact
-// itself is solved, as it is for contacts that depend on the speed.
+// If the scaled contact does not depend on the speed, 1 + β is a function of M = κ μ v/g alone (scaled_impact.hpp).
+// With x = M/(1 + M) in [0, 1], (1 + β)/x is finite at both ends and analytic but for kinks, where the sequence of
+// stick and slip changes. Intervals of x are halved until polynomials of degree 15 (Chebyshev) have converged: the
+// smallest are those at kinks. An interval is filled when a collision first falls into it; its numbers do not depend on
+// the order of the collisions. The error of β is at most 1e-10; where halving does not reach this, and at x < 2^-17,
+// the contact itself is solved, as it is for contacts that depend on the speed.
 #pragma once
 #include <vector>
 
