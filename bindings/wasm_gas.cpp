@@ -91,7 +91,7 @@ box::System system_given() {
     return s;
 }
 
-box::LawChoice law_given() { return {0, 0, {field(stiffness), field(restitution)}}; }
+box::LawChoice law_given() { return {0, 0, {field(stiffness), field(restitution)}, {}}; }
 
 // Reads the collision rule; false if the module does not contain it or a number is out of its range.
 bool read_rule(box::RuleChoice& choice) {
