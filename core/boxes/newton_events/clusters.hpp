@@ -75,8 +75,9 @@ struct Clusters {
 
     // A large cluster is integrated for few steps: the cost of integrating a cluster for the duration of a contact
     // grows with the square of its members, because each contact that ends also ends a step of all of them, and any
-    // body that comes near restarts the integration.
-    static constexpr std::size_t large_cluster = 50;
+    // body that comes near restarts the integration. With friction a step may be implicit, at a cost that grows with the
+    // cube of the contacts.
+    static constexpr std::size_t large_cluster = FrictionalLaw<Law> ? 6 : 50;
     static constexpr long steps_of_large_cluster = 64;
     // Only clusters that come to rest need so many steps. The limit lets a run be stopped between clusters.
     static constexpr long steps_of_small_cluster = 10'000;
