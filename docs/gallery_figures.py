@@ -19,7 +19,8 @@ ORDER = {
     "contacts": "laws duration force_loops usual_damping series superballs oblique_impacts codes time_step check "
     "bouncing_ball fit",
     "rows": "cradle light_ball best_masses astro_blaster beads",
-    "grains": "maxwell pressure atmosphere cooling heated sheared shaken rolling overlaps rules",
+    "grains": "maxwell pressure atmosphere cooling two_fates heated heated_rotation sheared shaken rolling "
+    "overlaps rules",
 }
 SCRIPTS = [f"plot_{name}.py" for names in ORDER.values() for name in names.split()]
 DPI = 100  #: of the pictures in the page; screens of high resolution get twice as much
