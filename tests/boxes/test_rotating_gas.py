@@ -475,3 +475,81 @@ def test_newtons_equations_follow_the_law(dimension: int) -> None:
     assert float(ratio.mean()) == pytest.approx(1.0, abs=0.06)
     assert series.granular_temperature.values == pytest.approx(expected[0], rel=0.15)
     assert float(series.granular_temperature[-1]) < 0.1 * system.granular_temperature
+
+
+def hard_sphere_rows(
+    system: hl.ParticleSystem, mu: float, beta0: float, e: float, collisions: float
+) -> np.ndarray:
+    """Collisions of each particle, T and T_r of hard spheres, (samples, 3)."""
+    run = hl.event_driven(
+        system,
+        restitution=e,
+        friction=mu,
+        tangential_restitution=beta0,
+        max_collisions=round(0.5 * collisions * system.n),
+        samples=1000,
+    )
+    assert run.outcome == "ok"
+    s = run.series
+    return np.stack(
+        [2.0 * s.n_collisions / system.n, s.granular_temperature, s.rotational_temperature], axis=1
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(
+    ("e", "mu", "beta0"),
+    [(0.9, math.inf, 0.5), (0.9, 0.2, 0.5), (0.9, 0.5, 0.5), (0.9, 1.0, 0.5), (0.7, math.inf, -0.3)],
+)
+def test_hard_spheres_cool_as_a_gas_without_correlations(
+    dimension: int, e: float, mu: float, beta0: float
+) -> None:
+    """θ and d ln T/d(ν t) of 4000 particles at φ = 0.02, as far as velocities are not correlated: more so in the
+    plane and at strong dissipation."""
+    system = start(dimension, 4000, 0.02)
+    state = theory.gas(system).rotating(e, mu, beta0).cooling_states()[0]
+    system = system.replace(angular_velocities=math.sqrt(state.temperature_ratio) * system.angular_velocities)
+    rule = walton(0.5 if dimension == 2 else 0.4, e, min(mu, 1e9), beta0)
+    simple = homogeneous(theory.gas(system), state.temperature_ratio, e, rule, 20.0)
+    measured = cooled(hard_sphere_rows(system, mu, beta0, e, 20.0), 8.0, 20.0)
+    known = cooled(simple, 8.0, 20.0)
+    assert measured == pytest.approx(known, rel=0.12 if dimension == 2 else 0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("mu", [0.05, 0.5])
+def test_two_fates_of_hard_spheres(dimension: int, mu: float) -> None:
+    """From equal temperatures; T and T_r beside those of theory after 30 collisions of each particle. Then θ has grown
+    where friction is weak."""
+    system = start(dimension, 2000, 0.02)
+    begin = system.granular_temperature
+    rubbing = theory.gas(system).rotating(0.9, mu, 0.5)
+    run = hl.event_driven(
+        system, restitution=0.9, friction=mu, tangential_restitution=0.5, max_collisions=30_000, samples=50
+    )
+    expected = rubbing.cooling(float(run.time), begin, begin)
+    assert run.system.granular_temperature == pytest.approx(float(expected[0]), rel=0.2)
+    assert run.system.rotational_temperature == pytest.approx(float(expected[1]), rel=0.2)
+    ratio = run.system.rotational_temperature / run.system.granular_temperature
+    assert ratio > 2.0 if mu < 0.1 else ratio < 0.85
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.5, math.inf])
+def test_heated_hard_spheres(mu: float) -> None:
+    system = start(3, 500, 0.05)
+    gas_of = theory.gas(system)
+    rubbing = gas_of.rotating(0.9, mu, 0.5)
+    rate = float(gas_of.collision_rate(system.granular_temperature))
+    power = (system.granular_temperature / rubbing.heated_temperature(1.0)) ** 1.5
+    heated = system.replace(thermostat=hl.RandomKicks(power=power, interval=0.1 / rate))
+    run = hl.event_driven(
+        heated, restitution=0.9, friction=mu, tangential_restitution=0.5, until=100.0 / rate, samples=200
+    )
+    series = run.series.isel(time=slice(60, None))
+    assert float(series.temperature_ratio.mean()) == pytest.approx(
+        rubbing.heated_temperature_ratio(), rel=0.06
+    )
+    assert float(series.granular_temperature.mean()) == pytest.approx(system.granular_temperature, rel=0.06)
