@@ -16,7 +16,7 @@ struct LawChoice {
     int law = -1;         // index in the registry of laws; −1: none
     int alternative = 0;  // index of the parameter set
     double parameters[max_parameters] = {};
-    Friction friction;  // of all contacts; none if its coefficient is 0
+    Friction friction{};  // of all contacts; none if its coefficient is 0
 
     bool has_friction() const { return particles_rub && friction.coefficient > 0.0; }
     explicit operator bool() const { return law >= 0; }
