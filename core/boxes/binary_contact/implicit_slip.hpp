@@ -22,7 +22,8 @@ public:
         double largest = 0.0;
         for (int c = 0; c < Motion::turn; ++c) {
             const double difference = math::abs(whole[c] - out[c]) / scale[c];
-            if (!(difference <= largest)) largest = difference;
+            if (math::is_nan(difference)) return math::infinity;
+            largest = math::max(largest, difference);
         }
         return largest;
     }

@@ -75,12 +75,13 @@ struct Clusters {
 
     // A large cluster is integrated for few steps: the cost of integrating a cluster for the duration of a contact
     // grows with the square of its members, because each contact that ends also ends a step of all of them, and any
-    // body that comes near restarts the integration. With friction a step may be implicit, at a cost that grows with the
-    // cube of the contacts.
-    static constexpr std::size_t large_cluster = FrictionalLaw<Law> ? 6 : 50;
-    static constexpr long steps_of_large_cluster = 64;
+    // body that comes near restarts the integration. With friction a step costs more: it may be implicit, and each
+    // place at which an event is sought then costs another step.
+    static constexpr bool rubs = FrictionalLaw<Law>;
+    static constexpr std::size_t large_cluster = rubs ? 6 : 50;
+    static constexpr long steps_of_large_cluster = rubs ? 8 : 64;
     // Only clusters that come to rest need so many steps. The limit lets a run be stopped between clusters.
-    static constexpr long steps_of_small_cluster = 10'000;
+    static constexpr long steps_of_small_cluster = rubs ? 500 : 10'000;
 
     const Paths<Law>& paths;
     const Frames<Law>& frames;

@@ -47,7 +47,7 @@ public:
         trajectory.clear();
         record = unresolved = false;
         too_deep = -1;
-        steps_ = 0;
+        steps_ = still_ = 0;
         integrator_.restart();
     }
 
@@ -113,15 +113,25 @@ private:
         while (time < until && !unresolved && too_deep < 0 && !stop()) {
             if (!through && this->all_open()) break;
             const Progress progress = step(wall_pieces.empty() ? until : end_of_pieces(until));
+            if constexpr (FrictionalLaw<Law>) count_still(state_.time() > time);
             time = state_.time();
             if (progress.moved) record_state();
             if (progress.event) apply(progress.event);
-            unresolved = ++steps_ > 10'000'000 || progress.failed;
+            unresolved = ++steps_ > 10'000'000 || progress.failed || still_ > most_still();
             if (steps_ - before >= most_steps && time > from) break;
         }
         if constexpr (FrictionalLaw<Law>) keep_springs();
         state_.store(network(), ledger());
     }
+    // Counts the steps in which time stands still: events without end at one time, as where many bodies touch at once.
+    void count_still(bool advances)
+        requires FrictionalLaw<Law>
+    {
+        still_ = advances ? 0 : still_ + 1;
+        if (advances)
+            for (ContactPair<Law>& q : pairs) q.surfaces.keeps_slipping = false;
+    }
+    long most_still() const { return 200 + 4 * static_cast<long>(pairs.size()); }
     void keep_springs()
         requires FrictionalLaw<Law>
     {
@@ -193,7 +203,7 @@ private:
     Integrator integrator_;
     Expansion expansion_;
     bool integrates_ = !by_series;  // whether steps are integrated; otherwise they are power series
-    long steps_ = 0;
+    long steps_ = 0, still_ = 0;    // still_: in a row in which time stands still; counted with friction
 };
 
 }  // namespace hardlimit::boxes

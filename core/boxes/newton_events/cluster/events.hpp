@@ -38,7 +38,8 @@ template <FrictionalLaw Law>
 std::array<ContactEvent, 2> next_surface_events(const ContactPair<Law>& q) {
     if (q.state != ContactState::closed) return {ContactEvent::none, ContactEvent::none};
     const FrictionTerms& f = q.law.friction;
-    const bool changes = f.coefficient < math::infinity && !(q.surfaces.slips && q.surfaces.frozen);
+    const bool keeps_slipping = q.surfaces.slips && (q.surfaces.frozen || q.surfaces.keeps_slipping);
+    const bool changes = f.coefficient < math::infinity && !keeps_slipping;
     return {f.loading != f.unloading ? ContactEvent::turns : ContactEvent::none, !changes ? ContactEvent::none
                                                                                  : q.surfaces.slips
                                                                                      ? ContactEvent::sticks
@@ -333,11 +334,24 @@ private:
     void apply_to_surfaces(PairEvent event)
         requires FrictionalLaw<Law>
     {
+        if (event.what != ContactEvent::turns && repeats(event)) return;
         SurfaceStart<Law> surfaces(network, state, event.pair);
         if (event.what == ContactEvent::turns) surfaces.turn();
         if (event.what == ContactEvent::slips) surfaces.begin_slip();
         if (event.what == ContactEvent::sticks) surfaces.begin_stick();
         if (event.what == ContactEvent::turns) network.pairs[event.pair].surfaces.turned = true;
+    }
+    // Where many contacts begin at once, with hardly a force, surfaces could stick and slip without end at one time.
+    // Then they slip until time advances.
+    bool repeats(PairEvent event)
+        requires FrictionalLaw<Law>
+    {
+        constexpr int most = 2;
+        PairSurfaces<Law>& surfaces = network.pairs[event.pair].surfaces;
+        surfaces.repeats = surfaces.changed_at == state.time() ? surfaces.repeats + 1 : 0;
+        surfaces.changed_at = state.time();
+        if (event.what != ContactEvent::sticks || surfaces.repeats < most) return false;
+        return surfaces.keeps_slipping = true;
     }
     void begin(ContactPair<Law>& q, const ContactGeometry& g) {
         ++ledger.begun;

@@ -41,11 +41,14 @@ struct PairSurfaces<Law> {
     Vector3 slip{};     // tangential velocity at the begin [m/s]
     Start start = Start::none;
     bool slips = false, slid = false;
-    bool unloads = false;  // the compression falls
-    bool frozen = false;   // the direction of slip keeps still, as F_n is tiny
-    bool fresh = false;    // they have just begun to stick or to slip
-    bool turned = false;   // the compression has just begun to rise or to fall
-    int changes = 0;       // between stick and slip
+    bool unloads = false;           // the compression falls
+    bool frozen = false;            // the direction of slip keeps still, as F_n is tiny
+    bool fresh = false;             // they have just begun to stick or to slip
+    bool turned = false;            // the compression has just begun to rise or to fall
+    int changes = 0;                // between stick and slip
+    bool keeps_slipping = false;    // until time advances
+    int repeats = 0;                // changes in a row at the same time
+    double changed_at = math::nan;  // time of the last change [s]
     // The same pair with its bodies exchanged.
     void exchange_bodies() {
         for (Vector3* x : {&memory, &elastic, &slip})

@@ -40,7 +40,8 @@ public:
         double largest = 0.0;
         for (int c = 0; c < coupled_; ++c) {
             const double difference = math::abs(at_.whole[c] - out[c]) / tolerance_[c];
-            if (!(difference <= largest)) largest = difference;
+            if (math::is_nan(difference)) return math::infinity;
+            largest = math::max(largest, difference);
         }
         return largest;
     }
