@@ -38,8 +38,6 @@ struct System {
 // In two dimensions only the third component, along the normal of the plane, may differ from 0.
 struct AxialVector {
     double component[3] = {};
-
-    double& operator[](std::size_t axis) { return component[axis]; }
 };
 
 // Totals over the box at one instant. "So far" means since the start of the run.
