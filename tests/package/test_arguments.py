@@ -236,10 +236,10 @@ def arguments_of_theory() -> list[Argument]:
             Argument("Gas.cooling", name, shape if name == "time" else "number", gas_of.cooling, value, start)
             for name, value in start.items()
         ),
-        Argument("Gas", "inertia_factor", "number", Gas, 0.4, sizes),
+        Argument("Gas", "inertia_factor", "optional number", Gas, 0.4, sizes),
         *(
-            Argument("Gas.rotating", name, "number", gas_of.rotating, v, rubbing)
-            for name, v in rubbing.items()
+            Argument("Gas.rotating", name, kind, gas_of.rotating, rubbing[name], rubbing)
+            for name, kind in zip(rubbing, ("number", "optional number", "number"), strict=True)
         ),
         *(
             Argument("Gas.critical_friction", name, "number", gas_of.critical_friction, v, critical)

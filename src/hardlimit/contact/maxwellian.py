@@ -20,11 +20,10 @@ Floats = NDArray[np.float64]
 #: Numbers that stand for infinity: a slope K of Coulomb's limit, and its square over λ(1 + β0)².
 STEEPEST: Final = 1e150
 LARGEST: Final = 1e300
-#: Ends of the first panels of α in an adaptive quadrature; friction may be so small that grains stick near 0 only.
-#: Points in each, relative precision, and how often panels are halved.
-PANELS: Final = (
-    0.5 * math.pi * np.array([0.0, *(0.25**k for k in range(12, 0, -1)), 0.4, 0.55, 0.7, 0.85, 1.0])
-)
+#: Ends of the first panels of α in an adaptive quadrature: grains may stick near 0 only, or slide near π/2 only, and β
+#: may be unknown at 0 and at π/2. Points in each, relative precision, and how often panels are halved.
+NEAR: Final = np.array([1e-9, *0.25 ** np.arange(12.0, 0.0, -1.0)])
+PANELS: Final = 0.5 * math.pi * np.array([*NEAR, 0.4, 0.55, *(1.0 - NEAR[::-1])])
 POINTS: Final = 10
 PRECISION: Final = 1e-11
 HALVINGS: Final = 40
@@ -109,7 +108,9 @@ def walton_means(one_plus_beta: float, slope: float, variance_ratio: float, dime
 def means(
     beta: Callable[[Floats], Floats], variance_ratio: float, dimension: int, slides_beyond: float = math.nan
 ) -> Means:
-    """Means for any β(tan γ), by Gauss quadrature on panels that are halved until their sum no longer changes.
+    """Means for any β(tan γ), by Lobatto quadrature on panels that are halved until their sum no longer changes.
+
+    Points at both ends of a panel see a kink that lies between an end and the next point.
 
     Parameters
     ----------
@@ -123,7 +124,9 @@ def means(
         tan γ beyond which collisions slide.
     """
     root = math.sqrt(variance_ratio)
-    nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+    highest = np.polynomial.Legendre.basis(POINTS - 1)
+    nodes = np.array([-1.0, *highest.deriv().roots().real, 1.0])
+    weights = 2.0 / (POINTS * (POINTS - 1) * highest(nodes) ** 2)
 
     def integrals(edges: Floats) -> Floats:
         """Both means over each panel."""
