@@ -41,6 +41,7 @@ SIGNED = {"-1", "0"}
 ACCEPTED = {
     "number": SIGNED,
     "optional number": SIGNED | {"None"},
+    "optional coefficient of friction": SIGNED | {"None", "infinity"},
     "one number for each": SIGNED,
     "optional number for each": SIGNED | {"None"},
     "optional numbers": SIGNED | EMPTY | {"None"},
@@ -239,7 +240,9 @@ def arguments_of_theory() -> list[Argument]:
         Argument("Gas", "inertia_factor", "optional number", Gas, 0.4, sizes),
         *(
             Argument("Gas.rotating", name, kind, gas_of.rotating, rubbing[name], rubbing)
-            for name, kind in zip(rubbing, ("number", "optional number", "number"), strict=True)
+            for name, kind in zip(
+                rubbing, ("number", "optional coefficient of friction", "number"), strict=True
+            )
         ),
         *(
             Argument("Gas.critical_friction", name, "number", gas_of.critical_friction, v, critical)
