@@ -17,16 +17,14 @@ from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
-from ..support.units import SYSTEMS
 from . import answer, cases, corrections, drive, dumps, friction_words
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
 from .scripts import Description, Grains, Note, Quote, Stage
 from .scripts import read as read_script
+from .supplied import NOTHING, SCALES, Supplied, completed, supplied
 
-#: Units of mass, length and time in SI; ``lj`` stays as it is.
-SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(
     quote=Quote("", 0, ""),
     time_step=None,
@@ -68,6 +66,7 @@ class Options:
     variables: Mapping[str, str]
     drive: drive.Drive | None = None
     restitution_error: float = DEFAULT_ERROR
+    given: Supplied = NOTHING
 
 
 def checked(
@@ -83,6 +82,10 @@ def checked(
     power: Any,
     shear_rate: Any,
     restitution_error: Any,
+    version: Any,
+    radius: Any,
+    density: Any,
+    mass: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
     if not isinstance(source, str | Path | ParticleSystem | Ball):
@@ -99,19 +102,21 @@ def checked(
         {str(name): str(value) for name, value in variables.items()},
         drive.checked_drive(power, shear_rate, speeds),
         accepted_error(restitution_error),
+        supplied(radius=radius, density=density, mass=mass, time_step=time_step),
     )
     if isinstance(source, str | Path):
-        for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
+        for name, value in (("law", law), ("dimension", dimension)):
             if value is not None:
                 raise ValueError(
                     f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
                 )
         frames = _frames(options)
         seen = dumps.largest_type(frames)
-        return _of_script(
-            read_script(source, code=code, variables=options.variables, types_seen=seen), options, frames
-        )
-    for name, value in (("code", code), ("variables", dict(variables) or None)):
+        script = read_script(source, code=code, version=version, variables=options.variables, types_seen=seen)
+        return _of_script(script, options, frames)
+    alone = {"code": code, "version": version, "variables": dict(variables) or None}
+    alone |= {"radius": radius, "density": density, "mass": mass}
+    for name, value in alone.items():
         if value is not None:
             raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
     return _of_bodies(source, law, options, time_step, dimension)
@@ -349,7 +354,7 @@ def _refuse_empty(script: Description) -> None:
 
 def _of_script(script: Description, options: Options, frames: Sequence[dumps.Frame] = ()) -> Verdict:
     _refuse_empty(script)
-    script = _with_sizes(script, frames)
+    script = completed(_with_sizes(script, frames), options.given)
     stages = script.stages or (NO_RUN,)
     kinds, last = _kinds(stages), stages[-1]
     contacts, remarks = cases.of_script(script, kinds[: len(script.stages)])

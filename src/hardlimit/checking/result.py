@@ -18,6 +18,8 @@ from .dumps import State
 if TYPE_CHECKING:
     import xarray as xr
 
+#: The question that a verdict answers.
+QUESTION = "May an event-driven simulation replace this?"
 #: Fields of a contact that are numbers, with their units.
 NUMBERS = {
     "radius": "m",
@@ -94,7 +96,7 @@ class Verdict:
     admissible: bool | None  #: None if it cannot be said
     sentence: str  #: the answer, with the number that decides
     code: str | None  #: None without a script
-    version: str | None  #: as a log states it
+    version: str | None  #: as it is given, or as a log states it
     units: str  #: of the last run
     units_given: bool  #: False if they are the code's default
     time_step: float | None  #: of the last run [s]
@@ -113,6 +115,7 @@ class Verdict:
     quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
     speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
+    question: str = QUESTION  #: that the sentence answers
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -187,11 +190,12 @@ class Verdict:
             "restitution_error": self.restitution_error,
             "speeds_chosen": self.speeds_chosen,
             "admissible": self.admissible,
+            "question": self.question,
             "sentence": self.sentence,
         }
 
     def __str__(self) -> str:
-        return self.sentence
+        return f"{self.question} {self.sentence}"
 
     def __repr__(self) -> str:
         return f"<Verdict: {self.sentence}>"

@@ -33,6 +33,8 @@ Example:
   hardlimit check log.lammps --dump dump.box.gz"""
 
 CODES = ("lammps", "liggghts", "yade")
+#: Options whose names are not those of their arguments.
+OPTIONS = {"variables": "--var"}
 #: Largest number of rows without ``--verbose``.
 MAX_ROWS = 8
 #: Most findings in a list, and most characters of each, without ``--verbose``.
@@ -94,12 +96,17 @@ script_options = options(
     click.option(
         "--code", type=click.Choice(CODES), help="Code of the script.  [default: found in the script]"
     ),
+    click.option(
+        "--version",
+        metavar="VERSION",
+        help="Version of this code, such as 22Jul2025.  [default: that of a log]",
+    ),
 )
 number_options = options(
-    quantity_option("--radius", unit="m", help="Radius of the grains [m], without a script."),
-    quantity_option("--density", unit="kg/m3", help="Density of the grains [kg/m³]."),
-    quantity_option("--mass", unit="kg", help="Mass of a grain [kg] instead of the density."),
-    quantity_option("--time-step", unit="s", help="Time step [s] to check."),
+    quantity_option("--radius", unit="m", help="Radius [m] of the grains, if the script has none."),
+    quantity_option("--density", unit="kg/m3", help="Density [kg/m³] of the grains, if the script has none."),
+    quantity_option("--mass", unit="kg", help="Mass [kg] of a grain instead of the density."),
+    quantity_option("--time-step", unit="s", help="Time step [s] to check, instead of the script's."),
     click.option("--dimension", type=click.Choice(["2", "3"]), help="Disks or spheres.  [default: 3]"),
 )
 
@@ -125,6 +132,7 @@ def check(
     restitution_error: float | None,
     variables: dict[str, str],
     code: str | None,
+    version: str | None,
     **numbers: Any,
 ) -> None:
     """Check what a script's contacts do, and if events may replace it.
@@ -137,13 +145,15 @@ def check(
     if sum(value is not None for value in (speed, power, shear_rate)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
     conditions |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
+    scripted: dict[str, Any] = {"code": code, "version": version, "variables": variables}
     if file is None:
-        verdict = from_numbers(numbers, variables, code, conditions)
+        verdict = from_numbers(numbers, scripted, conditions)
     else:
+        known = {name: numbers.pop(name) for name in ("radius", "density", "mass", "time_step")}
         for name, value in numbers.items():
             if value is not None:
                 raise ValueError(f"{spelled(name)}: got {value}, must be left out with a file")
-        verdict = checked(Path(file), code=code, variables=variables, **conditions)
+        verdict = checked(Path(file), **scripted, **known, **conditions)
     if as_json:
         print_json(verdict.to_dict())
     else:
@@ -152,16 +162,14 @@ def check(
         click.get_current_context().exit(FAILURE)
 
 
-def from_numbers(
-    numbers: dict[str, Any], variables: dict[str, str], code: str | None, conditions: dict[str, Any]
-) -> Verdict:
+def from_numbers(numbers: dict[str, Any], scripted: dict[str, Any], conditions: dict[str, Any]) -> Verdict:
     """The check of equal grains under one of our laws."""
     name, parameters = take_law(numbers)
     if numbers["radius"] is None:
         raise ValueError("give a file, or --radius with --density, a stiffness and --restitution")
-    for option, value in (("--code", code), ("--var", variables or None)):
-        if value is not None:
-            raise ValueError(f"{option}: must be left out without a file")
+    for argument, value in scripted.items():
+        if value not in (None, {}):
+            raise ValueError(f"{OPTIONS.get(argument, spelled(argument))}: must be left out without a file")
     ball = Ball(numbers["radius"], numbers["density"], numbers["mass"])
     law = files.changed_law(None, name, parameters)
     dimension = None if numbers["dimension"] is None else int(numbers["dimension"])
@@ -209,7 +217,7 @@ def report(verdict: Verdict, verbose: bool) -> None:
     corrected = corrections(verdict)
     if corrected:  # a quoted statement stands alone
         corrected = (" " if verdict.sentence.endswith(".") or more else "\n") + corrected
-    say(f"{verdict.sentence}{more}{corrected}", style="bold")
+    say(f"{verdict}{more}{corrected}", style="bold")
     for line in verdict.corrected:
         click.echo(f"  {line}")
 

@@ -127,7 +127,7 @@ class Description:
     """What a script says: the state of its settings at each run, and what else affects its grains."""
 
     code: str
-    version: str | None  #: only a log states it
+    version: str | None  #: as it is given, or as a log states it
     stages: tuple[Stage, ...]
     ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
     invalidates: tuple[Note, ...] = field(
