@@ -17,10 +17,10 @@ from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
-from . import answer, cases, corrections, drive, dumps, friction_words
+from . import answer, cases, corrections, drive, dumps, friction_words, stated
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
-from .result import CheckedStage, Finding, Verdict
+from .result import CheckedStage, Finding, Inferred, Verdict
 from .scripts import Description, Grains, Note, Quote, Stage
 from .scripts import read as read_script
 from .supplied import NOTHING, SCALES, Supplied, completed, supplied
@@ -241,6 +241,7 @@ class System:
     speeds: tuple[float, ...]
     examined: Sequence[tuple[Case, CheckedContact]]
     question: answer.Question
+    inferred: tuple[Inferred, ...] = ()  #: what follows from the script, in its units
 
     @property
     def rows(self) -> list[CheckedContact]:
@@ -248,9 +249,18 @@ class System:
         return [_in_si(case, row, self.last.units) for case, row in self.examined]
 
     @property
+    def inferred_in_si(self) -> Iterator[Inferred]:
+        """What follows from the script, in SI units."""
+        _, length, time = SCALES[self.last.units]
+        for number in self.inferred:
+            yield number._replace(value=number.value * length / time) if number.what == "speed" else number
+
+    @property
     def at(self) -> str:
         """The chosen speed of the largest numbers; empty if speeds are given, or nothing depends on them."""
+        estimated = any(number.what == "speed" for number in self.inferred)
         known = self.speeds or self.options.drive or all(row.speed is None for _, row in self.examined)
+        known = known or estimated
         return "" if known else " at 1 m/s"
 
     def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
@@ -261,7 +271,8 @@ class System:
     def remarks(self, several: bool) -> Iterator[str]:
         """Remarks on the contacts, which name their units if the script has several."""
         plain = self.last.units == "lj"
-        for note in _remarks(self.examined, self.options, self.gas, self.speeds, self.at, plain):
+        speeds = self.speeds or tuple(number.value for number in self.inferred if number.what == "speed")
+        for note in _remarks(self.examined, self.options, self.gas, speeds, self.at, plain):
             yield f"In {self.last.units} units: {note}" if several else note
 
     def corrected(self, code: str, several: bool) -> Iterator[str]:
@@ -292,13 +303,17 @@ def _systems(
     states: Sequence[dumps.State],
 ) -> Iterator[System]:
     """The systems of a script. A dump is one of the last."""
-    for kind, last in dict(zip(kinds, stages, strict=True)).items():
+    for kind in dict.fromkeys(kinds):
         own = [case for case in contacts if kinds[case.stage - 1] == kind]
-        yield _system(last, own, options, states if kind == kinds[-1] else ())
+        runs = [stage for stage, other in zip(stages, kinds, strict=True) if other == kind]
+        yield _system(runs, own, options, states if kind == kinds[-1] else ())
 
 
-def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Sequence[dumps.State]) -> System:
-    """The system that ends with a run."""
+def _system(
+    runs: Sequence[Stage], contacts: Sequence[Case], options: Options, states: Sequence[dumps.State]
+) -> System:
+    """The system of some runs."""
+    last = runs[-1]
     scales = _, length, time = SCALES[last.units]
     plain = last.units == "lj"
     purpose = options.drive or drive.of_stage(last, *scales)
@@ -308,8 +323,13 @@ def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Seq
     options = replace(options, speeds=tuple(v * time / length for v in options.speeds), drive=driven)
     gas, speeds = _surroundings(options, states, last.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
-    chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
-    examined = _examined(contacts, gas, speeds, driven, purpose, chosen)
+    packing = stated.packing_fraction(last) if gas.packing_fraction is None else None
+    if packing is not None:
+        gas = replace(gas, packing_fraction=packing.value)
+    speed = None if speeds or driven else stated.speed(runs)
+    at = speeds if speed is None else (speed.value,)
+    chosen = () if plain or at or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
+    examined = _examined(contacts, gas, at, driven, purpose, chosen)
     support = drive.support(last)
     option = "" if plain else drive.option_of(support, length, time)
     question = answer.Question(gas.quantity, bool(states), drive.words_of(last, support), option)
@@ -318,9 +338,10 @@ def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Seq
         supply=supply,
         options=options,
         gas=gas,
-        speeds=speeds,
+        speeds=at if speed is not None and speed.decides else speeds,
         examined=examined,
         question=question,
+        inferred=tuple(number for number in (packing, speed) if number is not None),
     )
 
 
@@ -400,6 +421,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         quantity=None if final.question.driven else final.question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=chosen,
+        inferred=tuple(dict.fromkeys(number for system in systems for number in system.inferred_in_si)),
     )
 
 

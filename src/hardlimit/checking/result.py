@@ -74,6 +74,20 @@ class Finding(NamedTuple):
         return {"what": self.what, "types": typed(self.types), "where": self.where or None}
 
 
+class Inferred(NamedTuple):
+    """A number that follows from what a script says; returned by :func:`hardlimit.check`."""
+
+    what: str  #: "speed" or "packing fraction"
+    value: float  #: in SI units; of a script in ``lj`` units, as there
+    unit: str
+    source: str  #: where it comes from, in words
+    decides: bool  #: whether the answer depends on it; if not, it is an estimate for the numbers of contacts
+
+    def __str__(self) -> str:
+        number = f"{digits(self.value, 3)} {self.unit}".rstrip()
+        return f"{self.what[0].upper()}{self.what[1:]} {number}: {self.source}."
+
+
 class CheckedStage(NamedTuple):
     """A run of a script; returned by :func:`hardlimit.check`."""
 
@@ -116,6 +130,7 @@ class Verdict:
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
     speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
     question: str = QUESTION  #: that the sentence answers
+    inferred: tuple[Inferred, ...] = ()  #: what follows from the script, and is not given beside it
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -189,6 +204,7 @@ class Verdict:
             "quantity": self.quantity,
             "restitution_error": self.restitution_error,
             "speeds_chosen": self.speeds_chosen,
+            "inferred": [number._asdict() for number in self.inferred],
             "admissible": self.admissible,
             "question": self.question,
             "sentence": self.sentence,

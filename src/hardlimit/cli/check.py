@@ -208,8 +208,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
     say_first(friction_lines(groups, verdict), MAX_ROWS, "contacts with friction", verbose)
     say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings", verbose)
-    if verdict.remarks:
-        say(" ".join(verdict.remarks))
+    if remarks := [*map(str, verdict.inferred), *verdict.remarks]:
+        say(" ".join(remarks))
     if verbose:
         details(verdict)
     say(lists(verdict, verbose))

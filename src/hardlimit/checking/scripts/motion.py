@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from .description import Direction, Motion, Note
@@ -181,8 +182,16 @@ def of_wall(state: State, rest: Sequence[str], ends: int, rubs: bool) -> Motion 
     if any(state.coefficient(word) is None for word in places):
         axis = rest[0][:1]
         return by_variables(state, [places[0] if name == axis else "NULL" for name in AXES])
-    slides = "shear" in options or any("rotate" in words for words in regions)
-    return STEADY if slides and rubs else None
+    if "shear" in options and rubs:
+        return steady(state, options[options.index("shear") + 2 :][:1])
+    return STEADY if rubs and any("rotate" in words for words in regions) else None
+
+
+def steady(state: State, words: Sequence[str]) -> Motion:
+    """A steady motion with the components of its velocity, which need not be known."""
+    parts = [0.0 if word == "NULL" else state.coefficient(word) for word in words]
+    known = [part for part in parts if part is not None]
+    return replace(STEADY, velocity=math.hypot(*known)) if known and len(known) == len(parts) else STEADY
 
 
 def by_variables(state: State, words: Sequence[str]) -> Motion | None:
@@ -221,6 +230,8 @@ def of_grains(state: State, kind: int) -> Motion | None:
             style, *words = (*fix.words, "")
             if style == "wiggle":
                 return oscillation(state, words[:3], (*words[3:], "")[0])
+            if style == "linear":
+                return steady(state, words[:3])
             return UNKNOWN if style == "variable" else STEADY
     return None
 
@@ -276,4 +287,6 @@ def _of_mesh(state: State, words: Sequence[str]) -> Motion:
             if NUMBER.fullmatch(amount)
         ]
         return strongest(waves) or UNKNOWN
-    return STEADY if {"linear", "rotate", "rotate/variable"} & set(words) else UNKNOWN
+    if "linear" in words:
+        return steady(state, [word for word in after("linear", 3) if word])
+    return STEADY if {"rotate", "rotate/variable"} & set(words) else UNKNOWN
