@@ -10,6 +10,8 @@ import pytest
 
 import hardlimit as hl
 from command_line import refused, run
+from hardlimit.checking import cases, checking, corrections
+from hardlimit.checking.contacts import Surroundings
 from hardlimit.checking.scripts import read
 
 FRICTIONLESS = "tangential linear_nohistory 0.0 0.0"
@@ -399,3 +401,45 @@ def test_hertz_contacts_without_any_speed_have_a_table():
     assert verdict.speeds_chosen and not verdict.inferred
     durations = [row.duration for row in verdict.rows]
     assert durations[0] / durations[2] == pytest.approx(100**0.2, rel=1e-6)
+
+
+# --- corrected lines --------------------------------------------------------------------------------------------
+
+MINDLIN = """
+O.materials.append(FrictMat(young=1e7, poisson=0.2, density=2500, frictionAngle=0))
+O.bodies.append([sphere((0, 0, 0), 1e-3), sphere((0, 0, 3e-3), 1e-3)])
+O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]), InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],
+    [Ip2_FrictMat_FrictMat_MindlinPhys(en={en}, es={en})], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+    NewtonIntegrator(damping={damping})]
+O.dt = 1e-7
+O.run(100)
+"""
+
+
+@pytest.mark.parametrize("damping", [0, 0.2, 0.4])
+@pytest.mark.parametrize("en", [0.5, 0.9, 0.995, 0.999, 0.9999, 1])
+def test_no_correction_removes_all_damping(en, damping):
+    """YADE's formula has no number below 1 for an ε close to 1; elastic grains keep the damping of the integrator."""
+    verdict = hl.check(MINDLIN.format(en=en, damping=damping), speed=0.1)
+    for line in verdict.corrected:
+        assert "restitution 1 in" not in line
+        if "damping=0" in line:
+            assert float(line.split()[-1]) < 1.0
+    explained = [line for line in verdict.corrected if "which removes all damping" in line]
+    assert bool(explained) is (0.99 < en < 1 and abs(verdict.rows[0].restitution_asked - en) < 1e-9
+                               and abs(hl.check(MINDLIN.format(en=en, damping=0), speed=0.1).rows[0].restitution - en)
+                               > 5e-3)  # fmt: skip
+
+
+def test_the_step_of_a_state_replaces_that_of_an_error():
+    """With its reason, and only if the script's is longer."""
+    text = box("create_atoms 1 single 0 0 0\nset type 1 diameter 0.002 density 2500").replace("1e-7", "1e-5")
+    description = read(text)
+    examined = checking._examined(cases.of_script(description, [None])[0], Surroundings(), (0.3,), None, None)
+    step = corrections.LargestStep(3e-6, "stable at 6 contacts per grain")
+    assert corrections.lines("lammps", examined, 1e-3, True, step) == [
+        "timestep 3e-06  # stable at 6 contacts per grain"
+    ]
+    assert corrections.lines("lammps", examined, 1e-3, True, step._replace(step=1e-4)) == []
+    (own,) = corrections.lines("lammps", examined, 1e-3)
+    assert own.startswith("timestep") and "#" not in own
