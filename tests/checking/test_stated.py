@@ -171,7 +171,7 @@ def test_packing_and_speed_of_a_gas_follow_from_its_script(seed):
     heat = mass * 10 ** rng.uniform(-4.0, 0.0) / BOLTZMANN[units]
     text = box(
         f"variable {name} equal {d!r}\nvariable n{name} index {number}",
-        f"create_atoms 1 random ${{n{name}}} {rng.randint(1, 99)} cell",
+        f"create_atoms 1 random ${{n{name}}} {rng.randint(1, 99)} cell overlap ${{{name}}}",
         f"set type 1 diameter ${{{name}}} density {density!r}\nvelocity all create {heat!r} 7",
         edges=edges,
         units=units,
@@ -250,6 +250,23 @@ def test_a_number_of_grains_that_only_a_run_knows_is_not_guessed(line):
     part = "region part cone z 0.5 0.5 0.1 0.2 0 1 units box"
     assert inferred(box(grains), "packing fraction") is not None
     assert inferred(box(grains, part, line), "packing fraction") is None
+
+
+def test_grains_that_overlap_when_they_are_made_have_no_speed_that_decides():
+    """They push each other, unless they move apart before their velocities are created."""
+    text = box("GRAINS\nset type 1 diameter 0.05 density 2500\nBEFORE\nvelocity all create 1e20 7")
+    for grains, before, decides in (
+        ("create_atoms 1 random 500 7 cell", "", False),
+        ("create_atoms 1 random 500 7 cell overlap 0.049", "", False),
+        ("create_atoms 1 random 500 7 cell overlap 0.05", "", True),
+        ("create_atoms 1 random 500 7 cell", "minimize 0 0 100 100", True),
+        ("create_atoms 1 random 500 7 cell", f"{PAIR}\nfix move all nve/sphere\nrun 1000", True),
+        ("lattice sc 0.1\ncreate_atoms 1 box", "", True),
+    ):
+        verdict = hl.check(text.replace("GRAINS", grains).replace("BEFORE", before))
+        speed = next(number for number in verdict.inferred if number.what == "speed")
+        assert speed.decides is decides is ("overlap" not in speed.source), (grains, before)
+        assert ("speeds" in verdict.missing) is not decides
 
 
 @pytest.mark.parametrize("line", [
