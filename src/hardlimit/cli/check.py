@@ -494,9 +494,14 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    said = listed(verdict.missing) if verdict.missing else ""
-    if said and said not in verdict.sentence:
-        parts.append(f"Not known: {said}{given_by(verdict.missing, bool(verdict.states))}.")
+    estimated = {"speeds"} if any(number.what == "speed" for number in verdict.inferred) else set()
+    missing = [what for what in verdict.missing if what not in estimated]
+    if (
+        missing
+        and listed(missing) not in verdict.sentence
+        and listed(verdict.missing) not in verdict.sentence
+    ):
+        parts.append(f"Not known: {listed(missing)}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))
 
 
