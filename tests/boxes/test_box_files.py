@@ -376,7 +376,7 @@ def test_bad_values_in_a_file(tmp_path, suffix):
 
 
 BAD = {".xyz": {
-    "no columns": ("Properties=", "Columns=", "Properties: must contain pos:R:3 and velo:R:3"),
+    "no columns": ("Properties=", "Columns=", "Properties: must contain pos:R:3, and may contain velo:R:3"),
     "no radius": (":radius:R:1", ":size:R:1", "radius: missing in the file; radius= gives it"),
     "wide": ("pos:R:3", "pos:R:x", "Properties: got"),
     "no cell": ("Lattice=", "Cell=", "Lattice: got nothing, must be 9 numbers"),

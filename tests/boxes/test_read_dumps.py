@@ -289,6 +289,39 @@ def test_contents_may_lie_outside_or_touch_within_the_digits(tmp_path):
     assert "particles 0 and 1 overlap" in refused(written(tmp_path, frame(rows[0], deeper)))
 
 
+def test_structure_without_velocities(tmp_path):
+    """As LAMMPS' dump atom has it."""
+    system = lattice(27, 3, 1)
+    path = written(tmp_path, dumped(system, ["id", "type", "xs", "ys", "zs"], np.random.default_rng(1)))
+    still = hl.ParticleSystem.read(path, velocities=0, radius=system.radius, density=2500.0)
+    assert not still.velocities.any()
+    assert hl.measure.rdf(still, bins=20).values == pytest.approx(hl.measure.rdf(system, bins=20).values)
+    assert "velocities: missing in the file; velocities= gives it" in refused(path, radius=1.0, density=1.0)
+
+
+@pytest.mark.parametrize(
+    "columns", ["x y z ix iy iz", "xu yu zu", "xsu ysu zsu", "xs ys zs ix iy iz", "x y z xu yu zu"]
+)
+def test_unfolded_paths(columns, tmp_path):
+    """Displacements through periodic sides count; walls around each frame do not shift one against the other."""
+    first = {"x": 0.09, "y": 0.05, "z": 0.05, "xs": 0.9, "ys": 0.5, "zs": 0.5}
+    last = first | {"x": 0.02, "xs": 0.2, "z": 0.001, "zs": 0.01}  # in the lower wall
+    rows = []
+    for values, turns in ((first, 0), (last, 3)):
+        images = {"ix": turns, "iy": 0, "iz": 0}
+        unfolded = {axis + "u": values[axis] + 0.1 * images[f"i{axis}"] for axis in "xyz"}
+        shares = {axis + "su": values[f"{axis}s"] + images[f"i{axis}"] for axis in "xyz"}
+        known = values | images | unfolded | shares
+        rows.append(" ".join(["1", *(repr(known[name]) for name in columns.split()), "0 0 0 0.005 1"]))
+    content = "".join(frame(row, columns=f"id {columns} vx vy vz radius density") for row in rows)
+    path = written(tmp_path, content)
+    for boundary in (None, ["periodic", "wall", "wall"]):
+        systems = list(hl.ParticleSystem.read_frames(path, boundary=boundary))
+        assert [system.positions[0, 0] for system in systems] == pytest.approx([0.09, 0.02])
+        walked = systems[1].unfolded_positions - systems[0].unfolded_positions
+        assert walked[0] == pytest.approx([0.23, 0.0, -0.049], abs=1e-12)
+
+
 # --- walls ----------------------------------------------------------------------------------------------------
 
 
@@ -353,10 +386,20 @@ def tilted(*ends, columns="x y z"):
 
 
 BAD = {
-    "no velocities": (frame("1 .05 .05 .05", columns="id x y z"), {}, "must have the columns vx vy vz"),
+    "no velocities": (
+        frame("1 .05 .05 .05", columns="id x y z"),
+        {},
+        "velocities: missing in the file; velocities= gives",
+    ),
     "no places": (frame("1 0 0 0", columns="id vx vy vz"), {}, "must have the columns x y z"),
     "no radius": (TWO.replace("radius", "q"), {}, "radius: missing in the file; radius= gives it"),
     "no density": (TWO.replace("density", "q"), {}, "density: missing in the file; density= gives it"),
+    "velocities twice": (TWO, {"velocities": 0}, "velocities: got array([[0., 0., 0.]"),
+    "velocities of one": (
+        TWO.replace("vx", "q"),
+        {"velocities": [[0, 0, 0]]},
+        "velocities: got shape (1, 3)",
+    ),
     "radius twice": (TWO, {"radius": 0.1}, "radius: got 0.1, must be left out: the file has a radius"),
     "mass and density": (TWO.replace("density", "mass"), {"density": 1.0}, "the file has a mass"),
     "id twice": (TWO.replace("\n2 ", "\n1 "), {}, "id: got 1 twice, must be another number"),

@@ -348,6 +348,7 @@ class ParticleSystem:
         *,
         frame: int = -1,
         units: str | None = None,
+        velocities: float | ArrayLike | None = None,
         radius: files.OfTypes | None = None,
         density: files.OfTypes | None = None,
         inertia_factor: float | ArrayLike | None = None,
@@ -359,8 +360,8 @@ class ParticleSystem:
         """Read a system from a file: extended XYZ (.xyz, .extxyz), GSD (.gsd), LAMMPS data (.data, .lmp), or a text
         dump of LAMMPS or LIGGGHTS with any name, also compressed (.gz).
 
-        Velocities must be in the file; radius, density and spins are read from it as far as it has them. Particles are
-        sorted by their ids, if there are any. In dumps, sides ``pp`` are periodic and ``ff`` walls at the ends of the
+        Velocities, radii, densities or masses and spins are read as far as the file has them. Particles are sorted by
+        their ids, if there are any. In dumps, sides ``pp`` are periodic and ``ff`` walls at the ends of the
         box; positions beyond a periodic side are folded back. Disks are particles at rest in z = 0, or without z.
 
         Parameters
@@ -371,6 +372,8 @@ class ParticleSystem:
         units : {"lj", "si", "cgs", "micro", "nano"}, optional
             Units of the file, by LAMMPS' names; SI by default, for LAMMPS data and dumps those that they name. ``"lj"``
             leaves numbers as they are.
+        velocities : number or (N, d) numbers, optional [m/s]
+            Where the file has none, such as 0 if only the structure is measured; else it must be left out.
         radius : number, N numbers or a mapping of types to numbers, optional [m]
             Where the file has none; else it must be left out.
         density : as radius, optional [kg/m³]
@@ -396,7 +399,9 @@ class ParticleSystem:
         FileNotFoundError
             If there is no such file.
         """
-        options = files.Options(units, radius, density, boundary, gravity, shear_rate, inertia_factor)
+        options = files.Options(
+            units, velocities, radius, density, boundary, gravity, shear_rate, inertia_factor
+        )
         return cls._from_file(path, *files.read(path, frame, options), allowed_overlap)
 
     @classmethod
@@ -405,6 +410,7 @@ class ParticleSystem:
         path: str | Path,
         *,
         units: str | None = None,
+        velocities: float | ArrayLike | None = None,
         radius: files.OfTypes | None = None,
         density: files.OfTypes | None = None,
         inertia_factor: float | ArrayLike | None = None,
@@ -417,7 +423,9 @@ class ParticleSystem:
 
         Parameters and errors are those of :meth:`ParticleSystem.read`.
         """
-        options = files.Options(units, radius, density, boundary, gravity, shear_rate, inertia_factor)
+        options = files.Options(
+            units, velocities, radius, density, boundary, gravity, shear_rate, inertia_factor
+        )
         for arguments, rounding in files.frames(path, options):
             yield cls._from_file(path, arguments, rounding, allowed_overlap)
 
@@ -426,10 +434,14 @@ class ParticleSystem:
         cls, path: str | Path, arguments: dict[str, Any], rounding: float, allowed_overlap: float | None
     ) -> ParticleSystem:
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
+        unfolded = arguments.pop("unfolded", None)
         try:
-            return cls(**arguments, allowed_overlap=allowed)
+            system = cls(**arguments, allowed_overlap=allowed)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
+        if unfolded is not None:
+            system._set(_unfolded=unfolded)
+        return system
 
     def write(self, path: str | Path) -> Path:
         """Write the system as extended XYZ, GSD or LAMMPS data, by the ending of ``path``.
@@ -562,8 +574,9 @@ class ParticleSystem:
     def unfolded_positions(self) -> Floats:
         """Positions along the paths since the start of the run (N, d) [m], not folded back into the box.
 
-        In a system that is not a state of a run they are the positions. They are no part of the value of a system:
-        equality ignores them, and :meth:`replace` and :meth:`write` drop them.
+        In a system that is no state of a run they are the positions; of a dump that has them (``xu yu zu`` or ``ix iy
+        iz``) they are in its coordinates. They are no part of the value of a system: equality ignores them, and
+        :meth:`replace` and :meth:`write` drop them.
         """
         return self.positions if self._unfolded is None else self._unfolded
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any, Final
 
@@ -21,7 +21,7 @@ from .frame import Floats, Found, boundary_of, wraps_of
 UNITS: Final = {"lj": (1.0, 1.0, 1.0), **SYSTEMS}
 #: Exponents of mass, length and time of each argument.
 DIMENSIONS: Final = {
-    **dict.fromkeys(("positions", "radius", "box", "shear_displacement"), (0, 1, 0)),
+    **dict.fromkeys(("positions", "unfolded", "radius", "box", "shear_displacement"), (0, 1, 0)),
     **{"velocities": (0, 1, -1), "gravity": (0, 1, -2), "mass": (1, 0, 0), "density": (1, -3, 0)},
     **dict.fromkeys(("angular_velocities", "shear_rate"), (0, 0, -1)),
     **{"angular_momenta": (1, 2, -1)},
@@ -42,6 +42,7 @@ class Options:
     """Arguments of :meth:`ParticleSystem.read`."""
 
     units: str | None = None
+    velocities: ArrayLike | None = None
     radius: OfTypes | None = None
     density: OfTypes | None = None
     boundary: str | Sequence[str] | None = None
@@ -55,8 +56,10 @@ def completed(content: Found, options: Options) -> tuple[dict[str, Any], float]:
     scale = _units(content.units, options.units)
     arguments = {name: _in_si(name, value, scale) for name, value in content.arguments.items()}
     n, d = arguments["positions"].shape
-    for name, other, value in (("radius", "radius", options.radius), ("density", "mass", options.density)):
-        _fill(arguments, name, other, value, content.types, n)
+    if options.velocities is not None and validation.is_number(options.velocities):
+        options = replace(options, velocities=np.full((n, d), options.velocities, float))
+    for name, other in (("velocities", ""), ("radius", ""), ("density", "mass")):
+        _fill(arguments, name, other, getattr(options, name), content.types, n)
     _turn(arguments, options.inertia_factor, n, d)
     sides = None if options.boundary is None else checked_boundary(options.boundary, d)
     _bound(arguments, content, sides, options.shear_rate, scale)
@@ -96,7 +99,7 @@ def _in_si(name: str, value: Any, scale: Sequence[Decimal]) -> Any:
 
 
 def _fill(
-    arguments: dict[str, Any], name: str, other: str, value: OfTypes | None, types: list[str] | None, n: int
+    arguments: dict[str, Any], name: str, other: str, value: Any, types: list[str] | None, n: int
 ) -> None:
     """Put a value into the arguments that lack it; ``other`` makes it needless."""
     present = name in arguments or other in arguments

@@ -27,7 +27,7 @@ POSITIONS: Final = ("", "u", "s", "su")
 #: Columns that are used, beside ``type``.
 COLUMNS: Final[tuple[str, ...]] = (
     *(axis + end for end in POSITIONS for axis in "xyz"),
-    *(name + axis for name in ("v", "omega", "angmom") for axis in "xyz"),
+    *(name + axis for name in ("v", "omega", "angmom", "i") for axis in "xyz"),
     *("id", "radius", "diameter", "mass", "density", "inertia_factor"),
 )
 #: Items of a frame with their numbers of lines; other items have one.
@@ -207,40 +207,62 @@ def frames(path: Path) -> Iterator[Found]:
 def as_found(frame: DumpFrame) -> Found:
     """The arguments of a system. Grains are in the order of their ids."""
     d = 2 if _is_plane(frame) else 3
-    place, velocities = frame.positions(d), frame.vectors(["vx", "vy", "vz"][:d])
-    if place is None or velocities is None:
-        missing = "x y z" if place is None else "vx vy vz"
-        raise ValueError(f"ITEM: ATOMS: must have the columns {missing}")
-    positions, end = place[0] - frame.low[:d], place[1]
-    if frame.tilt is not None:
-        if "u" in end:
-            raise ValueError(
-                "ITEM: ATOMS: must have the columns x y z or xs ys zs in a tilted box, not xu yu zu"
-            )
-        if end:  # along the edges of the tilted box
-            shares = positions / (frame.high - frame.low)[:d]
-            positions[:, 0] += shares[:, 1:] @ frame.tilt[: d - 1]
-            if d == 3:
-                positions[:, 1] += shares[:, 2] * frame.tilt[2]
-    arguments = {"positions": positions, "velocities": velocities, "box": (frame.high - frame.low)[:d]}
-    arguments |= _bodies(frame, d)
+    positions, end = _placed(frame, d)
+    arguments = {"positions": positions} | _bodies(frame, d)
+    for name, values in (
+        ("velocities", frame.vectors(["vx", "vy", "vz"][:d])),
+        ("unfolded", _unfolded(frame, d)),
+    ):
+        if values is not None:
+            arguments[name] = values
     ids = frame.columns.get("id")
     order = np.arange(frame.count) if ids is None else sorted_by_id(ids)
-    for name, values in arguments.items():
-        if name != "box":
-            arguments[name] = values[order]
-    scale = float((frame.high - frame.low).max()) if "s" in end else 1.0
-    written = [frame.columns[axis + end] for axis in "xyz"[:d]]
-    types = None if frame.types is None else [frame.types[k] for k in order]
+    arguments = {name: values[order] for name, values in arguments.items()}
+    edges = (frame.high - frame.low)[:d]
+    scale = float(edges.max()) if "s" in end else 1.0
+    rounding = rounding_of(frame.columns[axis + end] for axis in "xyz"[:d]) * scale
+    if "radius" in arguments:
+        rounding += rounding_of([arguments["radius"]])
     return Found(
-        arguments,
-        rounding=rounding_of(written) * scale,
+        arguments | {"box": edges},
+        rounding=rounding,
         units=frame.units,
-        types=types,
+        types=None if frame.types is None else [frame.types[k] for k in order],
         sides=frame.sides[:d],
         tilt=frame.tilt,
         is_folded=False,
     )
+
+
+def _placed(frame: DumpFrame, d: int) -> tuple[Floats, str]:
+    """Positions from the lower corner of the box, and the end of the names of their columns."""
+    place = frame.positions(d)
+    if place is None:
+        raise ValueError("ITEM: ATOMS: must have the columns x y z, xs ys zs, xu yu zu or xsu ysu zsu")
+    positions, end = place[0] - frame.low[:d], place[1]
+    if frame.tilt is None:
+        return positions, end
+    if "u" in end:
+        raise ValueError("ITEM: ATOMS: must have the columns x y z or xs ys zs in a tilted box, not xu yu zu")
+    if end:  # along the edges of the tilted box
+        shares = positions / (frame.high - frame.low)[:d]
+        positions[:, 0] += shares[:, 1:] @ frame.tilt[: d - 1]
+        if d == 3:
+            positions[:, 1] += shares[:, 2] * frame.tilt[2]
+    return positions, end
+
+
+def _unfolded(frame: DumpFrame, d: int) -> Floats | None:
+    """Positions along unfolded paths, in the coordinates of the dump; None if the frame does not have them."""
+    low, edges = frame.low[:d], (frame.high - frame.low)[:d]
+    if frame.tilt is not None:
+        return None
+    for end, scale, origin in (("u", np.ones(d), np.zeros(d)), ("su", edges, low)):
+        vectors = frame.vectors([axis + end for axis in "xyz"[:d]])
+        if vectors is not None:
+            return origin + vectors * scale
+    images = frame.vectors([f"i{axis}" for axis in "xyz"[:d]])
+    return None if images is None else low + _placed(frame, d)[0] + images * edges
 
 
 def _bodies(frame: DumpFrame, d: int) -> dict[str, Floats]:

@@ -212,11 +212,9 @@ def _columns(entries: dict[str, str]) -> tuple[list[int], dict[str, slice], dict
             labels.setdefault(name, column)
         column += count
     widths = {name: place.stop - place.start for name, place in where.items()}
-    if not {"positions", "velocities"} <= widths.keys() or any(
-        width != WIDTHS[name] for name, width in widths.items()
-    ):
+    if "positions" not in widths or any(width != WIDTHS[name] for name, width in widths.items()):
         raise ValueError(
-            "Properties: must contain pos:R:3 and velo:R:3, and may contain radius:R:1, mass:R:1, density:R:1, "
+            "Properties: must contain pos:R:3, and may contain velo:R:3, radius:R:1, mass:R:1, density:R:1, "
             "angular_velocity:R:3, angular_momentum:R:3 and inertia_factor:R:1"
         )
     if "mass" in where:
@@ -232,10 +230,13 @@ def _found(lines: list[bytes], entries: dict[str, str]) -> Found:
     d = {"2": 2, "3": 3}.get(entries.get("dimension", "3"))
     if d is None:
         raise ValueError(f"dimension: got {validation.shown(entries['dimension'])}, must be 2 or 3")
-    positions, velocities = (table[:, where[name]] for name in ("positions", "velocities"))
-    if np.any(positions[:, d:]) or np.any(velocities[:, d:]):
-        raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
-    arguments: dict[str, Any] = {"positions": positions[:, :d], "velocities": velocities[:, :d]}
+    arguments: dict[str, Any] = {}
+    for name in ("positions", "velocities"):
+        if name in where:
+            vectors = table[:, where[name]]
+            if np.any(vectors[:, d:]):
+                raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
+            arguments[name] = vectors[:, :d]
     for name in ("angular_velocities", "angular_momenta"):
         if name in where:
             arguments[name] = spins_of(table[:, where[name]], d)
