@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import draws, lattice, refusal
 
-RECORDED = Path(__file__).parent / "data" / "dumps"
-FACTS = tomllib.loads((RECORDED / "dumps.toml").read_text())
+DATA, EXAMPLES = Path(__file__).parent / "data" / "dumps", Path(__file__).parents[2] / "examples"
+FACTS = tomllib.loads((DATA / "dumps.toml").read_text())
 #: What the recorded dumps do not say. LAMMPS prints the rotational energy of solid spheres, also in two dimensions.
 MISSING = {
-    "bed.lammps": {"density": 2500.0},
+    "dump.bed": {"density": 2500.0},
     "sheared.lammps.gz": {"shear_rate": 2.0},
     "disks.lammps.gz": {"inertia_factor": 0.4},
 }
@@ -25,17 +25,22 @@ MISSING = {
 ENERGY = {"si": 1.0, "cgs": 1e-7, "lj": 1.0, "micro": 1e-15}
 
 
+def recorded(name):
+    """A recorded dump; some are examples."""
+    return next(folder / name for folder in (DATA, EXAMPLES) if (folder / name).exists())
+
+
 def read(name, **options):
-    units = {} if name.startswith("gas") else {"units": FACTS[name]["units"]}  # that dump names them
+    units = {} if "gas" in name else {"units": FACTS[name]["units"]}  # that dump names them
     return hl.ParticleSystem.read(
-        RECORDED / name, **({"allowed_overlap": 0.4} | units | MISSING.get(name, {}) | options)
+        recorded(name), **({"allowed_overlap": 0.4} | units | MISSING.get(name, {}) | options)
     )
 
 
 @pytest.mark.parametrize("name", FACTS)
 def test_energies_and_contacts_are_those_that_the_program_printed(name):
     facts = FACTS[name]
-    accuracy = {"bed.lammps": 1e-5, "bed.liggghts": 1e-5, "disks.lammps.gz": 1e-5}.get(name, 1e-9)
+    accuracy = {"dump.bed": 1e-5, "bed.liggghts": 1e-5, "disks.lammps.gz": 1e-5}.get(name, 1e-9)
     for k, (kinetic, rotational) in enumerate(zip(facts["kinetic"], facts["rotational"], strict=True)):
         system = read(name, frame=k)
         unit = ENERGY[facts["units"]]
@@ -43,7 +48,7 @@ def test_energies_and_contacts_are_those_that_the_program_printed(name):
         if system.angular_velocities is not None:
             assert system.rotational_energy == pytest.approx(rotational * unit, rel=accuracy)
         touching = hl.measure.coordination(system).contacts.sum() - at_walls(system)
-        assert abs(touching - facts["contacts"][k]) <= (2 if name == "bed.lammps" else 0)  # has six digits
+        assert abs(touching - facts["contacts"][k]) <= (2 if name == "dump.bed" else 0)  # has six digits
 
 
 def at_walls(system):
@@ -58,8 +63,8 @@ def at_walls(system):
 
 
 def test_frames_one_after_the_other():
-    name, options = "gas.lammps.gz", {"allowed_overlap": 0.4}
-    frames = hl.ParticleSystem.read_frames(RECORDED / name, **options)
+    name, options = "dump.gas.gz", {"allowed_overlap": 0.4}
+    frames = hl.ParticleSystem.read_frames(recorded(name), **options)
     assert iter(frames) is frames
     assert (
         list(frames) == [read(name, frame=k) for k in range(3)] == [read(name, frame=k) for k in (-3, -2, -1)]
@@ -69,7 +74,7 @@ def test_frames_one_after_the_other():
             read(name, frame=frame)
     at = [
         float(hl.measure.granular_temperature(system))
-        for system in hl.ParticleSystem.read_frames(RECORDED / name, **options)
+        for system in hl.ParticleSystem.read_frames(recorded(name), **options)
     ]
     assert at[0] > at[1] > at[2]
 
@@ -465,7 +470,7 @@ def test_velocities_without_the_flow_are_refused(tmp_path):
 def test_damaged_dumps_are_read_right_or_refused(tmp_path, data):
     """A truncated dump, or one with replaced bytes or words, compressed or not."""
     name = data.draw(st.sampled_from([*FACTS]))
-    content = bytearray((RECORDED / name).read_bytes())
+    content = bytearray(recorded(name).read_bytes())
     if name.endswith(".gz") and data.draw(st.booleans()):
         content = bytearray(gzip.decompress(bytes(content)))
     for _ in range(data.draw(st.integers(1, 4))):

@@ -146,11 +146,12 @@ def test_completion(words: list[str], offered: set[str]) -> None:
 
 
 DUMPS = Path(__file__).parents[1] / "boxes" / "data" / "dumps"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def test_a_dump_whose_grains_overlap() -> None:
     """Refused in one line with the largest overlap and the option; accepted with it, and said."""
-    options = [DUMPS / "gas.lammps.gz", "--stiffness", 2e3, "--frame", 1, "--models", "law", *FAST]
+    options = [EXAMPLES / "dump.gas.gz", "--stiffness", 2e3, "--frame", 1, "--models", "law", *FAST]
     message = refused("gas", "compare", *options)
     assert "overlap, gap -0.000" in message and "; --allowed-overlap accepts more, 0." in message
     needed = message.rpartition(" accepts more, ")[2].partition(" here")[0]
@@ -170,5 +171,5 @@ def test_walls_and_gravity_around_a_dump() -> None:
     text = run("gas", "compare", *bed, *walls, "--models", "law", *FAST).stdout
     assert "x wall, y periodic, z wall" in text and "energy of the overlaps / kinetic" in text
     assert "one replica has no error bars" in " ".join(text.split())
-    dense = refused("gas", "compare", DUMPS / "bed.lammps", "--allowed-overlap", 0.01, *FAST)
+    dense = refused("gas", "compare", EXAMPLES / "dump.bed", "--allowed-overlap", 0.01, *FAST)
     assert "density: missing in the file; --density gives it" in dense

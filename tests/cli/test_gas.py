@@ -674,11 +674,12 @@ def test_bad_shear_is_refused(options: list[Any], message: str) -> None:
 
 
 DUMPS = Path(__file__).parents[1] / "boxes" / "data" / "dumps"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def test_a_dump_as_start() -> None:
     """With what it lacks from the options; a job names it as well."""
-    bed = [DUMPS / "bed.lammps", "--density", "2.5 g/cm3", "--allowed-overlap", 0.01]
+    bed = [EXAMPLES / "dump.bed", "--density", "2.5 g/cm3", "--allowed-overlap", 0.01]
     output = printed("gas", *bed, "--max-collisions", 10, "--frame", 0)
     system = hl.ParticleSystem.read(bed[0], frame=0, density=2500.0, allowed_overlap=0.01)
     assert output["n_collisions"] == 10 and output["system"]["n"] == 60 == system.n
