@@ -229,6 +229,9 @@ def frame(*rows, columns=COLUMNS, sides="pp pp pp", box=CUBE):
     return HEAD.format(len(rows), sides, box, columns, "\n".join(rows))
 
 
+TWO = frame("1 .05 .05 .02 1 0 0 .005 1", "2 .05 .05 .08 0 1 0 .005 1")
+
+
 def test_a_grain_just_beyond_the_gradient_has_the_velocity_of_its_image(tmp_path):
     """LAMMPS changes the velocity when it folds the grain back, not before."""
     tilted = {"sides": "xy xz yz pp pp pp", "box": "0 0.12 0.02\n0 0.1 0\n0 0.1 0"}
@@ -371,6 +374,16 @@ def test_a_grain_in_a_wall_is_named(tmp_path):
     )
 
 
+def test_frames_without_grains_do_not_count(tmp_path):
+    """A pour begins with them."""
+    empty = frame().replace("radius density\n\n", "radius density\n")
+    path = written(tmp_path, empty + TWO + empty + frame("1 .05 .05 .05 0 0 0 .005 1"))
+    assert [system.n for system in hl.ParticleSystem.read_frames(path)] == [2, 1]
+    assert [hl.ParticleSystem.read(path, frame=k).n for k in (0, 1, -1, -2)] == [2, 1, 1, 2]
+    law = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
+    assert len(hl.check(hl.Ball(5e-3, density=1.0), law=law, dump=path).states) == 2
+
+
 # --- refusals -------------------------------------------------------------------------------------------------
 
 
@@ -380,7 +393,6 @@ def refused(path, **options):
     return message
 
 
-TWO = frame("1 .05 .05 .02 1 0 0 .005 1", "2 .05 .05 .08 0 1 0 .005 1")
 RATE = {"shear_rate": 1.0}
 
 
@@ -442,6 +454,8 @@ BAD = {
         {},
         "not numbers",
     ),
+    "superquadrics": (TWO.replace("id", "shapex"), {}, "got the column shapex, must be of spheres"),
+    "no grains": (frame(), {}, "must have a frame with ITEM: ATOMS and grains"),
     "words": (TWO.replace(" .005 1", " .005 heavy"), {}, "not numbers"),
 }
 

@@ -368,7 +368,7 @@ class ParticleSystem:
         ----------
         path : path
         frame : int
-            Index of the frame in a trajectory; the last one by default.
+            Index of the frame in a trajectory; the last one by default. Frames of a dump without grains do not count.
         units : {"lj", "si", "cgs", "micro", "nano"}, optional
             Units of the file, by LAMMPS' names; SI by default, for LAMMPS data and dumps those that they name. ``"lj"``
             leaves numbers as they are.

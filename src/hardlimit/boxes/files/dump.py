@@ -30,6 +30,8 @@ COLUMNS: Final[tuple[str, ...]] = (
     *(name + axis for name in ("v", "omega", "angmom", "i") for axis in "xyz"),
     *("id", "radius", "diameter", "mass", "density", "inertia_factor"),
 )
+#: Columns of superquadrics in LIGGGHTS.
+SHAPES: Final = ("shapex", "shapey", "shapez", "blockiness1", "blockiness2")
 #: Items of a frame with their numbers of lines; other items have one.
 ITEMS: Final = {"BOX BOUNDS": 3, "NUMBER OF ATOMS": 1, "ATOMS": 0}
 #: A grain this far from the plane z = 0, over the thickness of the box, is in it.
@@ -54,6 +56,7 @@ class DumpFrame:
     types: list[str] | None
     count: int  #: number of grains
     units: str | None  #: that the file names
+    shaped: str | None  #: a column that only grains have which are no spheres
 
     @property
     def periodic(self) -> tuple[bool, ...]:
@@ -98,7 +101,7 @@ def _opened(path: str | Path) -> BinaryIO | gzip.GzipFile:
 
 
 def blocks(path: str | Path) -> Generator[Block]:
-    """The frames of a dump, one after the other, not parsed.
+    """The frames of a dump that have grains, one after the other, not parsed.
 
     Raises
     ------
@@ -130,14 +133,16 @@ def _blocks(lines: Iterable[str]) -> Iterator[Block]:
             units = "".join(items[kind][1]).strip()
         if kind == "ATOMS":
             words = "".join(items.get("NUMBER OF ATOMS", ([], []))[1]).split()
-            n = int(words[0]) if words and words[0].isdecimal() else 0
-            rows = list(islice(lines, n))
-            if n == 0 or len(rows) < n:
-                raise ValueError(f"its frame {count + 1} is empty or cut off")
-            yield items, rows, units
-            items, count = {}, count + 1
+            n = int(words[0]) if words and words[0].isdecimal() else -1
+            rows = list(islice(lines, max(n, 0)))
+            if n < 0 or len(rows) < n:
+                raise ValueError(f"its frame {count + 1} is cut off")
+            if rows:
+                yield items, rows, units
+                count += 1
+            items = {}
     if count == 0:
-        raise ValueError("must have a frame with ITEM: ATOMS")
+        raise ValueError("must have a frame with ITEM: ATOMS and grains")
 
 
 def parsed(block: Block) -> DumpFrame:
@@ -158,8 +163,9 @@ def parsed(block: Block) -> DumpFrame:
     numbers = [low, high, *([] if tilt is None else [tilt]), *columns.values()]
     if not (high > low).all() or not all(np.isfinite(values).all() for values in numbers):
         raise ValueError(f"has missing numbers in the frame of step {step}")
+    shaped = next((name for name in names if name in SHAPES), None)
     types = table["type"].astype(str).tolist() if "type" in names else None
-    return DumpFrame(step, low, high, sides, tilt, columns, types, len(rows), units)
+    return DumpFrame(step, low, high, sides, tilt, columns, types, len(rows), units, shaped)
 
 
 def _parsed_box(items: Items) -> tuple[Floats, Floats, Floats | None, tuple[str, ...]]:
@@ -206,6 +212,8 @@ def frames(path: Path) -> Iterator[Found]:
 
 def as_found(frame: DumpFrame) -> Found:
     """The arguments of a system. Grains are in the order of their ids."""
+    if frame.shaped:
+        raise ValueError(f"ITEM: ATOMS: got the column {frame.shaped}, must be of spheres")
     d = 2 if _is_plane(frame) else 3
     positions, end = _placed(frame, d)
     arguments = {"positions": positions} | _bodies(frame, d)
