@@ -275,6 +275,37 @@ def test_units(units, length, mass, time, named, tmp_path):
         assert hl.ParticleSystem.read(path, units=units, gravity=9.81) == system
 
 
+def test_angular_momenta_in_other_units(tmp_path):
+    """ω = L/(q m R²), with everything in the units of the file."""
+    columns = "id x y z vx vy vz angmomx angmomy angmomz radius mass"
+    path = written(
+        tmp_path, frame("4 0.01 0.02 0.03 1 2 3 0 0 8 0.5 2", columns=columns, box="0 9\n0 9\n0 9")
+    )
+    for units, time in (("cgs", 1.0), ("micro", 1e-6)):
+        system = hl.ParticleSystem.read(path, units=units)
+        assert system.angular_velocities[0] == pytest.approx([0.0, 0.0, 8.0 / (0.4 * 2.0 * 0.25) / time])
+        other = hl.ParticleSystem.read(path, units=units, inertia_factor=0.5)
+        assert other.angular_velocities[0, 2] == pytest.approx(64.0 / 2 / time)
+
+
+@pytest.mark.parametrize(
+    ("row", "sides", "dimension"),
+    [
+        ("0 1 2 0 0 0 0", "pp pp pp", 2),
+        ("0 1 2 3 0 0 0", "pp pp pp", 3),  # leaves the plane
+        ("0 1 2 0 0 5 0", "pp pp pp", 3),  # spins about y
+        ("0.001 1 2 0 0 0 0", "pp pp pp", 3),
+        ("0 1 2 0 0 0 0", "pp pp ff", 3),
+    ],
+)
+def test_disks_are_at_rest_in_their_plane(row, sides, dimension, tmp_path):
+    columns = "id x y z vx vy vz omegax omegay omegaz radius density"
+    content = frame(f"1 .05 .05 {row} .005 1", columns=columns, sides=sides, box="0 .1\n0 .1\n-.05 .05")
+    system = hl.ParticleSystem.read(written(tmp_path, content))
+    assert system.dimension == dimension
+    assert system.angular_velocities.ndim == dimension - 1
+
+
 def test_sizes_by_type(tmp_path):
     path = written(
         tmp_path, frame("9 2 .05 .05 .05 0 0 0", "3 1 .02 .02 .02 0 0 0", columns="id type x y z vx vy vz")

@@ -9,7 +9,6 @@ from __future__ import annotations
 import gzip
 import io
 import zlib
-from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -195,14 +194,18 @@ def _parsed_box(items: Items) -> tuple[Floats, Floats, Floats | None, tuple[str,
 
 
 def read(path: Path, frame: int) -> Found:
-    count, last = 0, deque[Block](maxlen=max(-frame, 1))
-    for block in blocks(path):
-        last.append(block)
-        count += 1
+    if frame < -1:  # count first: the frames may be larger than the memory
+        count = sum(1 for _ in blocks(path))
+        check_frame(frame, count)
+        frame += count
+    count = 0
+    for count, block in enumerate(blocks(path), 1):
+        if frame in (count - 1, -1):
+            last = block
         if count == frame + 1:
             break
     check_frame(frame, count)
-    return as_found(parsed(last[-1] if frame >= 0 else last[0]))
+    return as_found(parsed(last))
 
 
 def frames(path: Path) -> Iterator[Found]:
