@@ -220,6 +220,25 @@ def test_velocity_verlet_with_every_kind_of_force(name, spread):
     assert below < 3e-9 and above > 30.0 * below
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "values", [*LAWS.values(), (2.0 / 7.0, 1.0, 0.5, 0.36), (1.0, 1.0, 5.0, 1.0)], ids=str
+)
+def test_our_steps_are_stable_by_default(values):
+    """Small random velocities do not grow, also with strong dashpots along the surfaces."""
+    system = packing(40, 3)
+    velocities = 1e-7 * np.random.default_rng(1).standard_normal(system.positions.shape)
+    run = hl.molecular_dynamics(
+        system.replace(velocities=velocities),
+        law=law_of(*values),
+        until=20.0,
+        engine="steps",
+        samples=4,
+        threads=1,
+    )
+    assert float(run.series.kinetic_energy[-1]) < 1e-10
+
+
 def kinetic_energy_in_lammps(system, values, step, folder):
     """Kinetic energy per grain after 400 steps from small random velocities."""
     ratio, damping_ratio, mu, damping = values
