@@ -92,6 +92,20 @@ def test_elastic_contact_to_rounding(psi: float, beta: float) -> None:
     assert beta_of(psi, 2.8824) == pytest.approx(beta, abs=1e-12)
 
 
+def test_pooltool_agrees() -> None:
+    """Its resolver of Stronge's compliant contact (tools/verify_stronge.py), random ψ, ρ, μ, inertia and speeds."""
+    sequences = set()
+    for row in table("pooltool_stronge"):
+        value = {name: float(text) for name, text in row.items() if name != "version"}
+        friction = hl.Friction(value["friction"], stiffness_ratio=value["stiffness_ratio"])
+        contact = wall_contact(friction, inertia_factor=value["inertia_factor"])
+        impact = contact.impact(-value["normal"], -value["tangential"])
+        beta = -value["tangential_after"] / value["tangential"]
+        assert impact.tangential_restitution == pytest.approx(beta, abs=5e-14)
+        sequences.add(tuple(interval.state for interval in impact.intervals))
+    assert sequences == {("stick", "slip"), ("slip", "stick", "slip"), ("slip",)}
+
+
 #: Names of the four histories in friction.json.
 HISTORIES = {
     "displacement history": "mindlin",
