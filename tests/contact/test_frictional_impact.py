@@ -751,6 +751,11 @@ def test_impact_refuses_bad_values() -> None:
     assert (
         refusal(lambda: contact.impact(1.0, other_spin=2.0)) == "other_spin: got 2, must be 0 for the floor"
     )
+    for speed, energy in ((1e155, "inf"), (1e-155, "5e-311")):
+        assert refusal(lambda speed=speed: contact.impact(speed)) == (
+            f"speed | tangential_speed | spin: got a kinetic energy of {energy} J, must be in [1e-290, 1e+300]"
+        )
+    assert "energy of inf J" in refusal(lambda: contact.impact(1.0, spin=-1e200))
     assert refusal(lambda: contact.tangential_restitution(math.pi / 2)).startswith("angle: got 1.57")
     assert refusal(lambda: contact.tangential_restitution([0.1, -0.1])).startswith("angle: got -0.1")
     assert (
