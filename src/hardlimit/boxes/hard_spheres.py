@@ -108,7 +108,7 @@ def event_driven(
     27, 107 (2008).
 
     Particles that overlap at the start collide at once if they approach each other; if not, they fly apart without a
-    collision (:doc:`grains`).
+    collision (:doc:`/grains`).
 
     β of a law that has no scale of speed (linear, or Tsuji with Mindlin's friction) is tabulated by angle for each pair
     of kinds of particles, to 1e-10, if there are at most 16 kinds; other contacts are solved in each collision (2 to

@@ -73,7 +73,7 @@ def fidelity(
         under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the
         initial state of replica k, in a box of the same dimension, boundary, gravity and kind of driving. Each replica
         gets another seed of its thermostat. Particles may overlap (``allowed_overlap``): hard spheres then begin
-        without the energy of the overlaps (:doc:`grains`).
+        without the energy of the overlaps (:doc:`/grains`).
     law : Law
         Contact law of Newton's equations and of the rules law and soft. With friction, all models have it; the law of
         the error is that of grains without friction, so that nothing is predicted.
