@@ -54,8 +54,8 @@ VALUES: Final = {
 }
 #: Replicas of each κ = k/(σ d) of the beds, σ their weight per area above half of the grains; by law and μ.
 SETTLED: Final = {
-    ("linear", 0.5): {1e2: 4, 10**2.5: 4, 1e3: 4, 10**3.5: 4, 1e4: 3, 1e5: 1},
-    ("hertz", 0.5): {1e2: 2, 1e3: 2, 1e4: 2},
+    ("linear", 0.5): {1e2: 6, 10**2.5: 6, 1e3: 6, 10**3.5: 6, 1e4: 5, 1e5: 3, 1e6: 1},
+    ("hertz", 0.5): {1e2: 3, 1e3: 3, 1e4: 3},
     ("linear", 0.0): {1e2: 2, 1e3: 2},
 }
 WIDTH, BLOCKS, LOOSE = 6.5, 2, 0.5  #: a bed starts as two cubes on each other
@@ -548,13 +548,13 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
         points_of(contacts, tests, "mechanical", 1.0)
         limits_of(ds, packing, contacts)
         steps_of(ds, step)
-        kappa = np.geomspace(30.0, 2e5, 50)
+        kappa = np.geomspace(30.0, 2e6, 50)
         overlap.plot(kappa, 230.0 / kappa, "k--", lw=0.8, zorder=0)
         overlap.set(yscale="log", ylabel=r"mean overlap $\delta/R$ [%]")
         packing.set(ylabel="packing fraction $\\phi$")
         contacts.set(ylabel="coordination number $z$")
         for ax in (overlap, packing, contacts):
-            ax.set(xscale="log", xlabel=r"$\kappa_p$", xlim=(25.0, 2.5e5))
+            ax.set(xscale="log", xlabel=r"$\kappa_p$", xlim=(25.0, 2.5e6))
         packing.legend(fontsize="small")
     return {"packings.png": figure}
 
@@ -575,7 +575,7 @@ def points_of(ax: Any, tests: list[Any], value: str, scale: float) -> None:
 
 def limits_of(ds: xr.Dataset, packing: Any, contacts: Any) -> None:
     """The trends of the beds and of the compression."""
-    kappa = np.geomspace(100.0, 2e5, 80)
+    kappa = np.geomspace(100.0, 2e6, 80)
     for here, color in ((beds(ds), "blue"), (of_test(ds, "compressed"), "purple")):
         for ax, value, power in ((packing, "packing_fraction", 1.0), (contacts, "mechanical", 0.5)):
             (limit, slope), _ = trend(here, value, power)
@@ -609,7 +609,7 @@ def steps_of(ds: xr.Dataset, ax: Any) -> None:
 
 
 STUDY = driver.Study(
-    file=__file__, points=points, run=run, replicas=4, values=VALUES, gather=gather, draw=draw, tables=tables
+    file=__file__, points=points, run=run, replicas=6, values=VALUES, gather=gather, draw=draw, tables=tables
 )
 
 if __name__ == "__main__":
