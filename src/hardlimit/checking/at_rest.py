@@ -21,6 +21,7 @@ from typing import Any, Final, NamedTuple
 
 import scipy
 
+from ..boxes.box import UNIT_BALL
 from ..convert.force import AdhesiveForce, Force
 from .contacts import Case
 
@@ -32,6 +33,11 @@ QUASI_STATIC, COLLISIONAL = 1e-3, 0.1
 GRAVITY: Final = 9.81
 #: Four times the power of Hertz' force.
 HERTZ: Final = 6
+#: Mean overlap of Hertz' contacts over that under the mean force, in such beds.
+HERTZ_SPREAD: Final = 0.92
+#: Packing fraction and coordination of settled spheres with friction over those of rigid ones, less one: the first
+#: times κ_p, the second times √κ_p, from κ_p = 100 on.
+DENSER, MORE_CONTACTS, SOFTEST = 5.4, 2.7, 100.0
 #: The part of the contact duration that is usually taken as the time step.
 USUAL_STEP: Final = 50.0
 
@@ -42,16 +48,17 @@ class Packing(NamedTuple):
     packing_fraction: float
     coordination: float
     stress_share: float = 1.0  #: mean of the normal stresses over that along gravity
+    bulk: float | None = None  #: φ z of the grains that carry the pressure, if not that of all
 
 
 #: Settled beds with and without friction by dimension. Spheres: beds of 524 to 900 by our own steps and in LAMMPS
-#: (linear springs at κ_p from 1e3 on, k_t = k and 2/7 k, μ = 0.5 and 0; Hertz and Mindlin, κ_p = 960) have φ z =
-#: 2.85 ± 0.1 and 3.8 ± 0.1, shares of 0.77 to 0.89 and 0.95 to 0.98. Disks: isostatic or a little more (z = 4 without
-#: friction, 3 to 4 with it), the shares are those of spheres.
+#: (linear springs at κ_p from 1e3 on, k_t = k and 2/7 k, μ = 0.5 and 0; Hertz and Mindlin) have φ z = 2.65 to 2.95 and
+#: 3.8 ± 0.1, shares of 0.77 to 0.89 and 0.92 to 1. Disks: isostatic or a little more (z = 4 without friction, 3 to 4
+#: with it), the shares are those of spheres.
 PACKINGS: Final = {
-    (3, True): Packing(0.59, 4.8, 0.82),
+    (3, True): Packing(0.59, 4.7, 0.81),
     (3, False): Packing(0.63, 6.0, 0.96),
-    (2, True): Packing(0.80, 3.5, 0.82),
+    (2, True): Packing(0.80, 3.5, 0.81),
     (2, False): Packing(0.83, 4.0, 0.96),
 }
 #: Largest m ω²/k_n of smooth spheres, and q m ω²/(2/3 k_t) of spheres that turn: value at z = 0 and slope, from the
@@ -67,13 +74,14 @@ DRAGGED, MIXED = 0.5, 10.0
 
 def mean_force(pressure: float, diameter: float, packing: Packing, dimension: int) -> float:
     """Mean contact force [N] under a pressure [Pa]; in two dimensions [N/m]."""
-    share = packing.packing_fraction * packing.coordination
-    return math.pi * diameter ** (dimension - 1) * pressure / share
+    carrying = packing.bulk or packing.packing_fraction * packing.coordination
+    return math.pi * diameter ** (dimension - 1) * pressure / carrying
 
 
 def compression(force: Force, load: float) -> float:
-    """Overlap [m] under a static force [N]."""
-    return float((load / force.stiffness) ** (4.0 / force.powers.elastic))
+    """Mean overlap [m] under a mean static force [N]."""
+    spread = HERTZ_SPREAD if force.powers.elastic == HERTZ else 1.0
+    return float(spread * (load / force.stiffness) ** (4.0 / force.powers.elastic))
 
 
 def stiffness_number(force: Force, pressure: float, first: float, second: float, dimension: int) -> float:
@@ -311,6 +319,8 @@ class GrainState:
     coordination: float | None = None  #: contacts of a grain that were used, measured or expected
     overlap: float | None = None  #: δ/R, mean overlap of a contact over the smaller radius
     stiffness_number: float | None = None  #: κ_p
+    packing_excess: float | None = None  #: φ of such beds with friction over that of rigid ones, less one
+    coordination_excess: float | None = None  #: the same of the number of contacts
     stiffness: str | None = None  #: name of the number that sets the stiffness
     stiffness_for_rigid: float | None = None  #: its value at κ_p = 10⁴, in the unit of the script
     stiffness_unit: str | None = None  #: this unit; empty in lj units
@@ -366,7 +376,13 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         regime=None if inertial is None else regime(inertial),
         shaking=load.shaking,
     )
-    return state if softest is None or load.pressure is None else _softened(state, softest)
+    if softest is None or load.pressure is None:
+        return state
+    state = _softened(state, softest)
+    kappa = state.stiffness_number or 0.0
+    if dimension == 2 or not rough or kappa < SOFTEST:
+        return state
+    return replace(state, packing_excess=DENSER / kappa, coordination_excess=MORE_CONTACTS / math.sqrt(kappa))
 
 
 def _softened(state: GrainState, contact: Loaded) -> GrainState:
@@ -392,10 +408,7 @@ def _grain(cases: Sequence[Case], dimension: int) -> tuple[float | None, float |
     if not bodies:
         return None, None
     radius = math.fsum(body.radius or 0.0 for body in bodies) / len(bodies)
-    densities = [(body.mass or 0.0) / ball(body.radius or 0.0, dimension) for body in bodies]
+    densities = [
+        (body.mass or 0.0) / (UNIT_BALL[dimension] * (body.radius or 0.0) ** dimension) for body in bodies
+    ]
     return 2.0 * radius, math.fsum(densities) / len(densities)
-
-
-def ball(radius: float, dimension: int) -> float:
-    """Volume of a sphere, or area of a disk."""
-    return math.pi * radius**2 if dimension == 2 else 4.0 / 3.0 * math.pi * radius**3

@@ -40,7 +40,7 @@ NO_RUN: Final = Stage(
     gravity=None,
     numerical_damping=None,
 )
-NO_LOAD, NO_SUPPORT = loads.Given(), drive.Support(False, False)
+NO_LOAD, NO_SUPPORT = loads.LoadOptions(), drive.Support(False, False)
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
 RESTS: Final = "grains rest on each other under gravity"
@@ -73,7 +73,7 @@ class Options:
     variables: Mapping[str, str]
     drive: drive.Drive | None = None
     restitution_error: float = DEFAULT_ERROR
-    load: loads.Given = NO_LOAD
+    load: loads.LoadOptions = NO_LOAD
 
 
 def checked(
@@ -140,7 +140,8 @@ def _of_bodies(
             raise ValueError(f"dimension: got {dimension}, must be left out with a system")
         return _of_system(source, law, options, step)
     d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
-    return _of_law([source], law, options, step, replace(NO_RUN, dimension=d), walls=True)
+    gravity = None if options.load.height is None else at_rest.GRAVITY
+    return _of_law([source], law, options, step, replace(NO_RUN, dimension=d, gravity=gravity), walls=True)
 
 
 def _speeds(speed: Any) -> tuple[float, ...]:
@@ -374,10 +375,11 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
     chosen = any(system.at for system in systems)
     final = next(system for system in systems if system.last is last)
     barostat = any("barostat" in note.what for note in script.invalidates)
-    held = _held_in_script(final, frames, states, barostat)
-    systems = [_flowing(system, held) if system is final else system for system in systems]
+    grains = _held_in_script(final, frames, states, barostat)
+    final = replace(final, question=_flowing(final.question, grains, bool(last.gravity)))
+    systems = [final if system.last is last else system for system in systems]
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _held_together(held, options, _lasting(script.stages, supports, rows, states, chosen))
+    invalidates += _held_together(grains, options, _lasting(script.stages, supports, rows, states, chosen))
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)
     several = len({stage.units for stage in stages}) > 1
@@ -386,7 +388,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         admissible=admissible,
         sentence=sentence
         + answer.steady(final.rows, final.supply, last.units == "lj")
-        + _words_of_state(held, last.units, last.dimension),
+        + _words_of_state(grains, last.units, last.dimension),
         code=script.code,
         version=script.version,
         units=last.units,
@@ -414,7 +416,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         quantity=None if final.question.driven else final.question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=chosen,
-        state=held,
+        state=grains,
     )
 
 
@@ -535,14 +537,14 @@ def _contacts_last(rows: Sequence[CheckedContact], states: Sequence[dumps.State]
     )
 
 
-def _held_together(held: GrainState, options: Options, lasting: Iterable[Finding]) -> Iterator[Finding]:
+def _held_together(grains: GrainState, options: Options, lasting: Iterable[Finding]) -> Iterator[Finding]:
     """Findings of lasting contacts: that which options state first, and no rest in a collisional flow."""
     findings = list(lasting)
-    if held.regime == "collisional":
+    if grains.regime == "collisional":
         findings = [finding for finding in findings if not finding.what.startswith(RESTS)]
-    elif options.load.rests and held.name != "gas" and all(finding.types for finding in findings):
-        how = "flow in lasting contact" if held.name == "flow" else "are pressed together"
-        yield Finding(RESTS if held.name == "rest" else f"grains {how}")
+    elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
+        how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
+        yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
     yield from findings
 
 
@@ -804,11 +806,10 @@ def _held_in_script(
     return _held(stage, drive.support(stage), final.options, around)
 
 
-def _flowing(system: System, held: GrainState) -> System:
-    """A collisional flow is driven, but no homogeneous gas."""
-    if held.regime != "collisional" or not system.last.gravity:
-        return system
-    return replace(system, question=replace(system.question, driven="a collisional flow under gravity"))
+def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
+    """A collisional flow under gravity is driven, but no homogeneous gas."""
+    flows = grains.regime == "collisional" and gravity
+    return replace(question, driven="a collisional flow under gravity") if flows else question
 
 
 def _held(stage: Stage, support: drive.Support, options: Options, around: loads.Around) -> GrainState:
@@ -914,15 +915,16 @@ def _of_law(
         bed=bed,
         lasting=_contacts_last(rows, dumped),
     )
-    held = _held(replace(stage, time_step=step), support, options, around)
-    invalidates = [*_held_together(held, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
+    grains = _held(replace(stage, time_step=step), support, options, around)
+    question = _flowing(question, grains, stage.gravity is not None)
+    invalidates = [*_held_together(grains, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive), dumped)
     admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
         admissible=admissible,
         sentence=sentence
         + answer.steady(rows, options.drive, False)
-        + _words_of_state(held, "si", dimension),
+        + _words_of_state(grains, "si", dimension),
         code=None,
         version=None,
         units="si",
@@ -943,5 +945,5 @@ def _of_law(
         quantity=None if question.driven else question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=bool(at),
-        state=held,
+        state=grains,
     )

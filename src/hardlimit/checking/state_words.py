@@ -34,8 +34,8 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
 def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     """Pressure, κ_p, overlap, and the stiffness at the border of rigid grains."""
     if state.pressure is None:
-        asked = "--pressure" if state.name == "pressed" else "--pressure or --height"
-        return f"Give {asked} to know how soft they are"
+        options = "--pressure or --height" if state.name == "rest" else "--pressure"
+        return f"Give {options} to know how soft they are"
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
     unit = "N/m" if dimension == 2 else "Pa"
     shown = f"p = {digits(state.pressure, 3)}" if plain else quantity(state.pressure, unit, 3)
@@ -68,7 +68,10 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    rows = [row for row in verdict.rows if row.stage == max(r.stage for r in verdict.rows)]
+    if state.packing_excess is not None and state.coordination_excess is not None:
+        denser, more = percent(state.packing_excess), percent(state.coordination_excess)
+        yield f"Beds of such grains are {denser} denser than those of rigid ones and have {more} more contacts."
+    rows = [row for row in verdict.rows if row.stage == max((r.stage for r in verdict.rows), default=1)]
     usual = [row.duration / USUAL_STEP for row in rows if row.duration]
     rayleigh = [row.rayleigh_time for row in rows if row.rayleigh_time]
     if state.largest_stable_step is not None and usual:

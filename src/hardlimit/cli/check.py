@@ -12,7 +12,7 @@ import click
 from ..boxes.error_law import MEASURED_TC_NU
 from ..checking import check as checked
 from ..checking import state_words
-from ..checking.answer import Question, given_by, judged, stiffness
+from ..checking.answer import OPTIONS, Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
 from ..checking.friction_words import but_for_steps, words
@@ -499,9 +499,11 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    said = listed(verdict.missing) if verdict.missing else ""
+    at_rest = verdict.state.name in ("rest", "pressed", "flow")
+    missing = [what for what in verdict.missing if not (at_rest and what in OPTIONS)]
+    said = listed(missing) if missing else ""
     if said and said not in verdict.sentence:
-        parts.append(f"Not known: {said}{given_by(verdict.missing, bool(verdict.states))}.")
+        parts.append(f"Not known: {said}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))
 
 
