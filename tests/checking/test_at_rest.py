@@ -143,11 +143,15 @@ def test_pressures_of_yade(engine, pressure):
     assert pressed.name == "pressed" and pressed.pressure == pressure
 
 
-def test_the_height_of_the_box_is_a_bound():
-    verdict = hl.check(script(CLIPPED, FALL, WALL))
-    assert verdict.state.pressure_is_bound and verdict.state.pressure == pytest.approx(0.63 * 2500 * 9.81)
-    assert "at most 15.5 kPa (a box of 1 m of grains at φ = 0.63): κ_p ≥ 3.2e3" in verdict.sentence
-    assert not state(script(CLIPPED, FALL, WALL), height=1.0).pressure_is_bound
+def test_the_number_of_grains_gives_the_weight():
+    """N m g/A on a floor with periodic sides; between walls, which may leave less, the full box is a bound."""
+    bed = script(CLIPPED, FALL, WALL).replace("random 100", "random 1000000")
+    assert state(bed).pressure == pytest.approx(1e6 * BEAD.mass * 9.81)
+    assert "103 Pa (below 1000000 grains" in hl.check(bed).sentence and not state(bed).pressure_is_bound
+    walled = hl.check(bed.replace("boundary p p p", "boundary f f f"))
+    assert walled.state.pressure_is_bound and walled.state.pressure == pytest.approx(0.63 * 2500 * 9.81)
+    assert "at most 15.5 kPa (a box of 1 m of grains at φ = 0.63): κ_p ≥ 3.2e3" in walled.sentence
+    assert not state(bed, height=1.0).pressure_is_bound
 
 
 def test_a_dump_has_the_weight(tmp_path):

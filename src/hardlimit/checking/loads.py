@@ -13,12 +13,12 @@ from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
-from ..support.units import SYSTEMS
 from . import dumps
 from .at_rest import PACKINGS, Load, Packing, weight
 from .contacts import Case
 from .drive import Support
 from .scripts import Stage
+from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
@@ -82,7 +82,7 @@ class Around(NamedTuple):
 
     def length(self, value: float) -> str:
         """A length in words."""
-        metre = SYSTEMS.get(self.units, (1.0, 1.0, 1.0))[1]
+        metre = SCALES[self.units][1]
         return digits(value, 3) if self.units == "lj" else length(float(f"{value * metre:.3g}"))
 
 
@@ -120,8 +120,12 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.height is None and around.bed is not None:
         top, mass = around.bed
         return {"pressure": mass * gravity, "origin": f"below {around.length(top)} of grains", "weight": True}
+    density, phi, contents = _density(around), around.packing.packing_fraction, stage.contents
+    if options.height is None and density is not None and contents.filled and stage.floor:
+        count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
+        pressure = weight(contents.filled / stage.floor, density, gravity)
+        return {"pressure": pressure, "origin": f"below {count} on the floor of the box", "weight": True}
     height = _height(stage) if options.height is None else options.height
-    density, phi = _density(around), around.packing.packing_fraction
     if height is None or density is None:
         return {}
     bound = options.height is None
