@@ -818,15 +818,16 @@ def _held_in_script(
     stage = final.last
     examined = {id(case): case for case, _ in final.examined}
     newest = max((case.stage for case in examined.values()), default=0)
-    moving = {name: value for name, value in _densities(stage).items() if not stage.grains[name].frozen}
+    fixed = [name for name, kind in stage.grains.items() if kind.frozen]
+    bed = None
+    if frames and stage.down:
+        bed = dumps.bed(frames[-1], _radii(stage), _densities(stage), stage.down, stage.dimension, fixed)
     around = loads.Around(
         cases=[case for case in examined.values() if case.stage == newest],
         dimension=stage.dimension,
         units=stage.units,
         state=states[-1] if states else None,
-        bed=dumps.bed(frames[-1], _radii(stage), moving, stage.down, stage.dimension)
-        if frames and stage.down
-        else None,
+        bed=bed,
         lasting=_contacts_last([row for _, row in final.examined], states),
         barostat=barostat,
     )
@@ -869,18 +870,18 @@ def _words_of_state(state: GrainState, units: str, dimension: int = 3) -> str:
 
 def _of_system(system: ParticleSystem, law: Law, options: Options, step: float | None) -> Verdict:
     walls = "wall" in system.boundary
-    temperature = system.granular_temperature
+    temperature, support = system.granular_temperature, drive.support_of_system(system)
+    overlap, coordination, several = loads.contacts_of_system(system) if support.rests else (None, None, None)
     state = dumps.State(
         step=0,
         grains=system.n,
         packing_fraction=system.packing_fraction,
         temperature=temperature,
         mean_diameter=2.0 * float(system.radius.mean()),
-        largest_overlap=None,
-        coordination=None,
-        in_several_contacts=None,
+        largest_overlap=overlap,
+        coordination=coordination,
+        in_several_contacts=several,
     )
-    support = drive.support_of_system(system)
     resting = [Finding(_rest(support))] * support.rests
     in_system = drive.of_system(system)
     if options.drive is None and not options.speeds and not system._walls_move:
@@ -938,7 +939,7 @@ def _of_law(
     around = loads.Around(
         cases=contacts,
         dimension=dimension,
-        state=dumped[-1] if dumped else None,
+        state=next(reversed(dumped or states), None),
         bed=bed,
         lasting=_contacts_last(rows, dumped),
     )

@@ -23,6 +23,8 @@ from .supplied import SCALES
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
+#: Fewest contacts of a grain in what is taken as a packing.
+LEAST: Final = 2.0
 #: Cosine of the angle up to which gravity is along an axis.
 ALONG: Final = 1.0 - 1e-9
 
@@ -73,10 +75,11 @@ class Around(NamedTuple):
         expected = PACKINGS[self.dimension, any(case.friction.coefficient != 0.0 for case in pairs)]
         low, high = BEDS[self.dimension]
         state = self.state
-        if state is None or state.packing_fraction is None or not state.coordination:
+        contacts = 0.0 if state is None or state.coordination is None else state.coordination
+        if state is None or state.packing_fraction is None or contacts < LEAST:
             return expected
         bulk = None if self.bed is None else expected.packing_fraction * expected.coordination
-        packing = expected._replace(coordination=state.coordination, bulk=bulk)
+        packing = expected._replace(coordination=contacts, bulk=bulk)
         in_range = low <= state.packing_fraction <= high
         return packing._replace(packing_fraction=state.packing_fraction) if in_range else packing
 
@@ -161,3 +164,9 @@ def bed_of_system(system: ParticleSystem) -> tuple[float, float] | None:
     at, radius = system.positions[:, axes[0]], system.radius
     area = float(np.prod(np.delete(system.box, axes[0])))
     return float((at + radius).max() - (at - radius).min()), float(system.mass.sum()) / area
+
+
+def contacts_of_system(system: ParticleSystem) -> tuple[float, float, float]:
+    """As :func:`dumps.contacts`, between the particles of a system; those with walls are left out."""
+    periodic = np.array([side != "wall" for side in system.boundary])
+    return dumps.contacts(system.positions, system.radius, system.box, periodic)
