@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -101,7 +101,7 @@ def state(
             # Along an axis with ends, the volume is that between the outermost grains.
             reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
             filled = np.where(periodic, edges, np.minimum(reach, edges))
-            overlap, coordination, several = _contacts(at, radius, edges, periodic)
+            overlap, coordination, several = contacts(at, radius, edges, periodic)
         packing = float(volume.sum() / np.prod(filled))
     names = ("vx", "vy", "vz")[:dimension]
     if all(name in frame.columns for name in names) and frame.count > 1:
@@ -120,6 +120,38 @@ def state(
         coordination=coordination,
         in_several_contacts=several,
     )
+
+
+def bed(
+    frame: Frame,
+    radii: Mapping[str, float],
+    densities: Mapping[str, float],
+    down: Sequence[float],
+    dimension: int,
+    fixed: Collection[str] = (),
+) -> tuple[float, float] | None:
+    """Height of the grains along gravity, and their mass over the area below them; None if it is not known.
+
+    ``down``: direction of gravity, which must be along an axis. ``fixed``: types that do not weigh on others.
+    """
+    axes = [k for k in range(dimension) if abs(down[k]) > 1.0 - 1e-9]
+    radius, place = _radius(frame, radii), frame.positions(dimension)
+    kinds = np.array(frame.types or [""] * frame.count)
+    moving = ~np.isin(kinds, list(fixed))
+    if len(axes) != 1 or radius is None or place is None or not moving.any():
+        return None
+    mass = frame.columns.get("mass")
+    if mass is None:
+        density = frame.columns.get("density", np.array([densities.get(name, 0.0) for name in kinds]))
+        mass = 4.0 / 3.0 * math.pi * radius**3 * density
+    mass, radius, at = mass[moving], radius[moving], place[0][moving]
+    edges = (frame.high - frame.low)[:dimension]
+    reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
+    filled = np.where(frame.periodic[:dimension], edges, np.minimum(reach, edges))
+    area = float(np.prod(np.delete(filled, axes[0])))
+    if not (mass > 0.0).all() or not area > 0.0:
+        return None
+    return float(reach[axes[0]]), float(mass.sum()) / area
 
 
 def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:
@@ -180,7 +212,7 @@ def _masses(frame: Frame, radius: Floats | None, densities: Mapping[str, float])
     return radius**3 * density if (density > 0.0).all() else radius**3
 
 
-def _contacts(
+def contacts(
     at: Floats, radius: Floats, edges: Floats, periodic: NDArray[np.bool_]
 ) -> tuple[float, float, float]:
     """Largest overlap over the smaller radius, mean number of contacts, share of grains with several."""

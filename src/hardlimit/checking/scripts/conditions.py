@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
 
-from .description import Grains, Quote, Setting, Stage
+from .description import NOTHING, Grains, Quote, Setting, Stage
 from .statements import Statement
 
 #: A part of a stage, such as ("contacts", ("1", "1"), None).
@@ -15,6 +15,7 @@ NOWHERE: Final = Quote("", 0, "")
 #: Fields of a stage, in words, and those whose value is empty if it is not known.
 FIELDS: Final = {
     **{"time_step": "the time step", "gravity": "gravity", "down": "gravity", "pressed": "pressure"},
+    "pressure": "pressure",
     **dict.fromkeys(("driven", "shear_rate", "bath"), "what drives the grains"),
 }
 LISTS: Final = ("pressed", "driven")
@@ -39,7 +40,16 @@ def plain(value: Any) -> Any:
 
 def settings_of(stage: Stage) -> Any:
     """What decides on the contacts of a stage."""
-    return plain(replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True, system=0))
+    same: dict[str, Any] = {
+        "quote": NOWHERE,
+        "steps": None,
+        "time_step_given": True,
+        "units_given": True,
+        "system": 0,
+        "edges": (),
+        "floor": None,
+    }
+    return plain(replace(stage, **same, contents=NOTHING))
 
 
 def differences(first: Stage, other: Stage) -> Iterator[Part]:
