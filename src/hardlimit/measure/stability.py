@@ -25,7 +25,7 @@ Indices = NDArray[np.int64]
 #: A matrix of at most this many rows is solved as a dense one.
 DENSE: Final = 60
 #: Relative accuracy of the time step, and the largest number of its corrections for damping.
-ACCURACY: Final = 1e-9
+ACCURACY: Final = 1e-6
 MOST_CORRECTIONS: Final = 50
 
 
