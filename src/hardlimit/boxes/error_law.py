@@ -38,7 +38,7 @@ MEASURED_TC_NU: Final = _core.error_law_measured_tc_nu
 NEARLY_ELASTIC: Final = _core.error_law_nearly_elastic
 
 #: Coefficient of friction below which its effect is in proportion to it: contacts that slide take long to compute.
-WEAK: Final = 0.02
+WEAK: Final = 0.05
 #: b in the term −b (1 − ε²)/D of the coefficient for linear springs, as in core/boxes/common/error_law.hpp.
 DELAYED: Final = 0.87
 
@@ -478,6 +478,10 @@ def with_friction(smooth: ErrorLaw, friction: Friction, theta: float, q: float) 
     outside = setting.outside()
     wider = 1.0 + setting.distance()
     constant = smooth.rule == "constant"
+    if constant and math.isnan(terms.offset):
+        raise ValueError(
+            "friction: got one for which no β0 stands in a gas, must be another for the rule constant"
+        )
     return replace(
         smooth,
         coefficient=smooth.coefficient + change,

@@ -157,7 +157,7 @@ def third_particles(dimension: int, phi: float, spring: float) -> float:
 
 def bar(energy: float, turn: float, third: float) -> float:
     """Standard error of the change of a by friction, from the residuals of the measurement."""
-    return math.hypot(0.04, 0.05 * turn, 0.3 * third)
+    return math.hypot(0.04, 0.05 * turn, 0.25 * third)
 
 
 class Turned(NamedTuple):
@@ -347,7 +347,7 @@ class FrictionTerms(NamedTuple):
     turn: float  #: a D 2^D φ χ by the turn of contacts
     spring: float  #: mean energy in tangential springs over the loss of a collision
     temperature_ratio: float  #: mean θ in the window
-    offset: float  #: error of the rule constant with β0 of the law that does not vanish with t_c ν
+    offset: float  #: error of the rule constant with β0 of the law that does not vanish with t_c ν; NaN if it has no β0
     smooth_error: float  #: that of hard spheres without friction, by the cooling of translation
 
 
@@ -383,13 +383,15 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms
         return (duration / hard.duration - 1.0) / (SMALL * hard.root)
 
     epsilon = float(contact.restitution(IMPACT_SPEED))
-    beta = contact.effective_tangential_restitution(IMPACT_SPEED, dimension=dimension)
-    rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
+    offset, beta = math.nan, contact.effective_tangential_restitution(IMPACT_SPEED, dimension=dimension)
+    if not math.isnan(beta):
+        rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
+        offset = hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0
     return FrictionTerms(
         energy=slower(Changes(translation=-translation, rotation=-rotation)),
         turn=slower(Changes(ratios=ratios, turned=turned)),
         spring=springs.tangential / -loss,
         temperature_ratio=mean,
-        offset=hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0,
+        offset=offset,
         smooth_error=(1.0 - epsilon**2) / (gain - loss) - 1.0,
     )

@@ -397,11 +397,12 @@ def _with_friction(
         prediction = expected_rubbing(rule, *state, x)
         return prediction and prediction.wider(wider).cooling
 
+    if error("law", tc_nu) is None:
+        return {}
     numbers: dict[str, Any] = {}
     for rule in ("constant", "law"):
-        if (value := error(rule, tc_nu)) is None:
-            return {}
-        numbers[rule], numbers[f"{rule}±"] = value
+        if (value := error(rule, tc_nu)) is not None:
+            numbers[rule], numbers[f"{rule}±"] = value
     largest = _largest_tc_nu(lambda x: error("law", x))
     exponent = 0.25 * force.powers.elastic + 1.0
     softening = None if largest is None else (tc_nu / largest) ** exponent

@@ -74,8 +74,8 @@ def fidelity(
         initial state of replica k, in a box of the same dimension, boundary, gravity and kind of driving. Each replica
         gets another seed of its thermostat.
     law : Law
-        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it; the law of
-        the error is that of grains without friction, so that nothing is predicted.
+        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it, and the law
+        of the error predicts the rules law and constant for linear springs.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
         Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel
