@@ -218,7 +218,7 @@ def _examined(
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
     gas = replace(
-        gas, rubs=any(case.friction.coefficient != 0.0 for case in contacts if case.second is not None)
+        gas, frictions=tuple({case.friction.coefficient for case in contacts if case.second is not None})
     )
     rows = []
     for case in contacts:

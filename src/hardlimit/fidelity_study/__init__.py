@@ -75,8 +75,8 @@ def fidelity(
         gets another seed of its thermostat. Particles may overlap (``allowed_overlap``): hard spheres then begin
         without the energy of the overlaps (:doc:`/grains`).
     law : Law
-        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it; the law of
-        the error is that of grains without friction, so that nothing is predicted.
+        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it, and the law
+        of the error predicts the rules law and constant for linear springs.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
         Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel
