@@ -80,11 +80,17 @@ def test_numbers_without_dimension_do_not_depend_on_units():
         CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "981"), WALL.replace("1e5", "1e8"),
         units="cgs", grains="set type 1 diameter 0.2 density 2.5",
     )  # fmt: skip
-    beds = [state(text, height=0.1) for text in (script(CLIPPED, FALL, WALL), cgs)]
-    for name in ("pressure", "overlap", "stiffness_number", "largest_stable_step", "step_share"):
-        assert getattr(beds[0], name) == pytest.approx(getattr(beds[1], name))
-    assert [bed.stiffness_unit for bed in beds] == ["N/m", "dyn/cm"]
-    assert beds[1].stiffness_for_rigid == pytest.approx(1e3 * beds[0].stiffness_for_rigid)
+    micro = script(
+        CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "9.81e-6"), WALL.replace("1e5", "1e8"),
+        units="micro", grains="set type 1 diameter 2e3 density 2.5",
+    ).replace("block 0 1 0 1 0 1", "block 0 1e6 0 1e6 0 1e6").replace("timestep 1e-7", "timestep 0.1")  # fmt: skip
+    for options in ({"height": 0.1}, {"pressure": 200.0}):
+        beds = [state(text, **options) for text in (script(CLIPPED, FALL, WALL), cgs, micro)]
+        for name in ("pressure", "overlap", "stiffness_number", "largest_stable_step", "step_share"):
+            values = [getattr(bed, name) for bed in beds]
+            assert values == pytest.approx([values[0]] * 3), name
+        assert [bed.stiffness_unit for bed in beds] == ["N/m", "dyn/cm", "nN/µm"]
+        assert beds[1].stiffness_for_rigid == pytest.approx(1e3 * beds[0].stiffness_for_rigid)
 
 
 def test_lj_units_have_no_names():
