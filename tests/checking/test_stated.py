@@ -2,6 +2,7 @@
 
 import math
 import random
+import re
 import tempfile
 from pathlib import Path
 
@@ -10,6 +11,8 @@ import pytest
 
 import hardlimit as hl
 from command_line import refused, run
+from hardlimit.checking import cases, checking, corrections
+from hardlimit.checking.contacts import Surroundings
 from hardlimit.checking.scripts import read
 
 FRICTIONLESS = "tangential linear_nohistory 0.0 0.0"
@@ -168,7 +171,7 @@ def test_packing_and_speed_of_a_gas_follow_from_its_script(seed):
     heat = mass * 10 ** rng.uniform(-4.0, 0.0) / BOLTZMANN[units]
     text = box(
         f"variable {name} equal {d!r}\nvariable n{name} index {number}",
-        f"create_atoms 1 random ${{n{name}}} {rng.randint(1, 99)} cell",
+        f"create_atoms 1 random ${{n{name}}} {rng.randint(1, 99)} cell overlap ${{{name}}}",
         f"set type 1 diameter ${{{name}}} density {density!r}\nvelocity all create {heat!r} 7",
         edges=edges,
         units=units,
@@ -247,6 +250,23 @@ def test_a_number_of_grains_that_only_a_run_knows_is_not_guessed(line):
     part = "region part cone z 0.5 0.5 0.1 0.2 0 1 units box"
     assert inferred(box(grains), "packing fraction") is not None
     assert inferred(box(grains, part, line), "packing fraction") is None
+
+
+def test_grains_that_overlap_when_they_are_made_have_no_speed_that_decides():
+    """They push each other, unless they move apart before their velocities are created."""
+    text = box("GRAINS\nset type 1 diameter 0.05 density 2500\nBEFORE\nvelocity all create 1e20 7")
+    for grains, before, decides in (
+        ("create_atoms 1 random 500 7 cell", "", False),
+        ("create_atoms 1 random 500 7 cell overlap 0.049", "", False),
+        ("create_atoms 1 random 500 7 cell overlap 0.05", "", True),
+        ("create_atoms 1 random 500 7 cell", "minimize 0 0 100 100", True),
+        ("create_atoms 1 random 500 7 cell", f"{PAIR}\nfix move all nve/sphere\nrun 1000", True),
+        ("lattice sc 0.1\ncreate_atoms 1 box", "", True),
+    ):
+        verdict = hl.check(text.replace("GRAINS", grains).replace("BEFORE", before))
+        speed = next(number for number in verdict.inferred if number.what == "speed")
+        assert speed.decides is decides is ("overlap" not in speed.source), (grains, before)
+        assert ("speeds" in verdict.missing) is not decides
 
 
 @pytest.mark.parametrize("line", [
@@ -399,3 +419,221 @@ def test_hertz_contacts_without_any_speed_have_a_table():
     assert verdict.speeds_chosen and not verdict.inferred
     durations = [row.duration for row in verdict.rows]
     assert durations[0] / durations[2] == pytest.approx(100**0.2, rel=1e-6)
+
+
+# --- corrected lines --------------------------------------------------------------------------------------------
+
+MINDLIN = """
+O.materials.append(FrictMat(young=1e7, poisson=0.2, density=2500, frictionAngle=0))
+O.bodies.append([sphere((0, 0, 0), 1e-3), sphere((0, 0, 3e-3), 1e-3)])
+O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]), InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],
+    [Ip2_FrictMat_FrictMat_MindlinPhys(en={en}, es={en})], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+    NewtonIntegrator(damping={damping})]
+O.dt = 1e-7
+O.run(100)
+"""
+
+
+@pytest.mark.parametrize("damping", [0, 0.2, 0.4])
+@pytest.mark.parametrize("en", [0.5, 0.9, 0.995, 0.999, 0.9999, 1])
+def test_no_correction_removes_all_damping(en, damping):
+    """YADE's formula has no number below 1 for an ε close to 1; elastic grains keep the damping of the integrator."""
+    verdict = hl.check(MINDLIN.format(en=en, damping=damping), speed=0.1)
+    for line in verdict.corrected:
+        assert "restitution 1 in" not in line
+        if "damping=0" in line:
+            assert float(line.split()[-1]) < 1.0
+    explained = [line for line in verdict.corrected if "which removes all damping" in line]
+    assert bool(explained) is (0.99 < en < 1 and abs(verdict.rows[0].restitution_asked - en) < 1e-9
+                               and abs(hl.check(MINDLIN.format(en=en, damping=0), speed=0.1).rows[0].restitution - en)
+                               > 5e-3)  # fmt: skip
+
+
+def test_the_step_of_a_state_replaces_that_of_an_error():
+    """With its reason, and only if the script's is longer."""
+    text = box("create_atoms 1 single 0 0 0\nset type 1 diameter 0.002 density 2500").replace("1e-7", "1e-5")
+    description = read(text)
+    examined = checking._examined(cases.of_script(description, [None])[0], Surroundings(), (0.3,), None, None)
+    step = corrections.LargestStep(3e-6, "stable at 6 contacts per grain")
+    assert corrections.lines("lammps", examined, 1e-3, True, step) == [
+        "timestep 3e-06  # stable at 6 contacts per grain"
+    ]
+    assert corrections.lines("lammps", examined, 1e-3, True, step._replace(step=1e-4)) == []
+    (own,) = corrections.lines("lammps", examined, 1e-3)
+    assert own.startswith("timestep") and "#" not in own
+
+
+# --- YADE -------------------------------------------------------------------------------------------------------
+
+LOOP = """
+O.engines = [ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Facet_Aabb()]), InteractionLoop(
+    [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()],
+    [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.8, es=0.8)], [Law2_ScGeom_MindlinPhys_Mindlin()]),
+    NewtonIntegrator(damping=0, gravity=(0, 0, GRAVITY))]
+O.dt = 1e-6
+O.run(100)
+"""
+GLASS = "from yade import pack, ymport\nmat = O.materials.append(FrictMat(young=1e8, poisson=0.2, density=2500))\n"
+
+
+def yade(bodies, gravity=0.0):
+    """A script of YADE with these bodies."""
+    return GLASS + bodies + LOOP.replace("GRAVITY", repr(gravity))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_spheres_in_a_periodic_cell_of_yade_have_a_packing(seed):
+    rng, name = drawn(seed)
+    number, radius, fuzz = rng.randint(30, 900), rng.uniform(0.001, 0.01), rng.choice([0.0, 0.3])
+    cell = [round(rng.uniform(0.2, 0.9), 3) for _ in range(3)]
+    sizes = f"rMean={radius!r}, rRelFuzz={fuzz}, num={number}"
+    cloud = f"{name} = pack.SpherePack()\n{name}.makeCloud((0, 0, 0), {{}}, {sizes}{{}})\n"
+    volume = 4.0 / 3.0 * math.pi * number * radius**3 * (1.0 + fuzz**2)
+    for lines in (
+        cloud.format(tuple(cell), ", periodic=True") + f"{name}.toSimulation()",
+        f"O.periodic = True\nO.cell.setBox{tuple(cell)}\n"
+        + cloud.format((0.1, 0.1, 0.1), "")
+        + f"{name}.toSimulation()",
+        f"O.periodic = True\nO.cell.hSize = Matrix3({cell[0]}, 0, 0.1, 0, {cell[1]}, 0, 0, 0, {cell[2]})\n"
+        + cloud.format((0.1, 0.1, 0.1), "")
+        + f"{name}.toSimulation(material=mat)",
+    ):
+        phi = inferred(yade(lines), "packing fraction")
+        assert phi.value == pytest.approx(volume / math.prod(cell), rel=1e-9), lines
+    assert (
+        inferred(yade(cloud.format(tuple(cell), "") + f"{name}.toSimulation()"), "packing fraction") is None
+    )
+
+
+def test_spheres_of_yade_may_stand_in_files_beside_the_script(tmp_path):
+    """ymport.text, textExt and SpherePack.load; without the file, the sizes are not known."""
+    rng = np.random.default_rng(5)
+    radii = rng.uniform(1e-3, 2e-3, 40)
+    rows = "".join(
+        f"{x} {y} {z} {r!r}\n" for (x, y, z), r in zip(rng.random((40, 3)), radii.tolist(), strict=True)
+    )
+    path, periodic = tmp_path / "box.py", "O.periodic = True\nO.cell.setBox(0.1, 0.1, 0.1)\n"
+    readers = {
+        "O.bodies.append(ymport.text('spheres.txt'))": 1.0,
+        "O.bodies.append(ymport.text('spheres.txt', scale=2, material=mat))": 2.0,
+        "O.bodies.append(ymport.textExt('spheres.txt', 'x_y_z_r', Vector3(0, 0, 1), 0.5))": 0.5,
+        "sp = pack.SpherePack()\nsp.load('spheres.txt')\nsp.toSimulation()": 1.0,
+    }
+    for line, scale in readers.items():
+        (tmp_path / "spheres.txt").unlink(missing_ok=True)
+        saved(tmp_path, yade(periodic + line), "box.py")
+        assert hl.check(path, speed=0.1).rows[0].radius is None
+        saved(tmp_path, f"#format x_y_z_r\n{rows}", "spheres.txt")
+        verdict = hl.check(path, speed=0.1)
+        ends = verdict.rows[0].radius, verdict.rows[-1].radius
+        assert ends == pytest.approx((scale * radii.min(), scale * radii.max())) and not verdict.unknown
+        (phi,) = verdict.inferred
+        assert phi.value == pytest.approx(4 / 3 * math.pi * scale**3 * (radii**3).sum() / 1e-3)
+    saved(tmp_path, f"#format x_y_z_r_matId\n{rows}", "spheres.txt")
+    assert hl.check(path, speed=0.1).unknown or "load" in line
+
+
+@pytest.mark.parametrize(("floor", "height"), [
+    ("O.bodies.append(wall(0.1, axis=2, material=mat))", 0.4),
+    ("O.bodies.append(wall((5, 5, 0.2), 2))", 0.3),
+    ("O.bodies.append(box((0, 0, 0), (1, 1, 0.05), fixed=True))", 0.45),
+    ("O.bodies.append(facet([(0, 0, 0.1), (1, 0, 0.1), (0, 1, 0.1)]))", 0.4),
+    ("O.bodies.append(geom.facetBox((0, 0, 0.5), (1, 1, 0.25)))", 0.25),
+])  # fmt: skip
+def test_spheres_of_yade_fall_on_what_is_below_them(floor, height):
+    for spheres in (
+        "O.bodies.append(sphere((0, 0, 0.5), 0.01, material=mat))\nO.bodies.append(sphere((0.1, 0, 0.45), 0.01))",
+        "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0.4), (1, 1, 0.5), rMean=0.01)\nsp.toSimulation()",
+    ):
+        speed = inferred(yade(f"from yade import geom\n{spheres}\n{floor}\n", -9.81), "speed")
+        assert speed.value == pytest.approx(math.sqrt(2 * 9.81 * height)) and not speed.decides
+        assert "from where spheres are made" in str(speed)
+
+
+def test_velocities_of_single_bodies_of_yade_are_read():
+    two = "O.bodies.append([sphere((0, 0, 0), 1e-3), sphere((0, 0, 3e-3), 1e-3)])\n"
+    known = f"{two}O.bodies[0].state.vel = (0, 0, 0.5)\nO.bodies[1].state.vel = Vector3(0, 0, -0.7)"
+    assert inferred(yade(known), "speed").value == pytest.approx(1.2)
+    for more in (
+        "\nfor b in O.bodies: b.state.vel = random.random()*Vector3(1, 1, 1)",
+        "\nO.bodies[0].state.vel = v0",
+    ):
+        assert inferred(yade(known + more), "speed") is None
+
+
+@pytest.mark.parametrize("line", [
+    "O.bodies.erase(3)",
+    "for c, r in sp: O.bodies.append(sphere(c, r))",
+    "O.bodies.append(sphere((0, 0, z), 1e-3) for z in rows)",
+])  # fmt: skip
+def test_a_number_of_spheres_that_is_not_known_is_not_guessed(line):
+    cloud = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), rMean=0.01, num=100, periodic=True)\n"
+    cloud += "sp.toSimulation()\n"
+    assert inferred(yade(cloud), "packing fraction") is not None
+    assert inferred(yade(cloud + line), "packing fraction") is None
+
+
+# --- LIGGGHTS ---------------------------------------------------------------------------------------------------
+
+BEADS = """units {units}
+atom_style granular
+boundary {boundary}
+region reg block 0 1 0 2 0 1 units box
+create_box 1 reg
+pair_style gran model hertz tangential off
+fix m1 all property/global youngsModulus peratomtype 5e6
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.9
+fix pts1 all particletemplate/sphere 1 atom_type 1 density constant 2500 radius constant {radius}
+fix pdd1 all particledistribution/discrete 7 1 pts1 1.0
+{lines}
+fix integr all nve/sphere
+timestep 1e-6
+run 100
+"""
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_liggghts_says_how_much_is_inserted(seed):
+    """A volume fraction of a region, or a number of grains, that is inserted once."""
+    rng, _ = drawn(seed)
+    share, number, radius = rng.uniform(0.05, 0.4), rng.randint(20, 400), rng.uniform(0.005, 0.02)
+    units, inner = rng.choice(["si", "cgs"]), rng.uniform(0.2, 0.9)
+    ball = 4.0 / 3.0 * math.pi * radius**3
+    region = f"region part block 0 1 0 2 0 {inner!r} units box\n"
+    pack = "fix ins all insert/pack seed 7 distributiontemplate pdd1 insert_every {} region part {} {}"
+    for every, word, value, wanted in (
+        ("once", "volumefraction_region", share, share * inner),
+        ("once", "particles_in_region", number, number * ball / 2.0),
+        (100, "volumefraction_region", share, None),
+    ):
+        text = BEADS.format(
+            units=units, boundary="p p p", radius=repr(radius), lines=region + pack.format(every, word, value)
+        )
+        phi = inferred(text, "packing fraction")
+        assert phi is None if wanted is None else phi.value == pytest.approx(wanted, rel=1e-9), (every, word)
+
+
+def test_grains_of_liggghts_fall_from_their_region():
+    """Onto a primitive wall; onto a mesh at most to the end of the box."""
+    lines = """region part block 0 1 0 2 0.7 0.8 units box
+fix g all gravity 9.81 vector 0 0 -1
+fix floor all wall/gran model hertz tangential off primitive type 1 zplane 0.3
+fix ins all insert/rate/region seed 7 distributiontemplate pdd1 nparticles 500 particlerate 100 insert_every 10 &
+    overlapcheck yes vel constant 0 0 -2 region part"""
+    text = BEADS.format(units="si", boundary="p p f", radius=0.01, lines=lines)
+    speed = inferred(text, "speed")
+    assert speed.value == pytest.approx(math.sqrt(4.0 + 2 * 9.81 * 0.5)) and "insertion region" in str(speed)
+    mesh = "fix cad all mesh/surface file a.stl type 1\n"
+    mesh += "fix floor all wall/gran model hertz tangential off mesh n_meshes 1 meshes cad"
+    lines = re.sub("fix floor .*", mesh, lines)
+    speed = inferred(BEADS.format(units="si", boundary="p p f", radius=0.01, lines=lines), "speed")
+    assert speed.value == pytest.approx(math.sqrt(4.0 + 2 * 9.81 * 0.8)) and "at most" in str(speed)
+
+
+def test_a_belt_of_liggghts_has_its_speed():
+    lines = "fix cad all mesh/surface file a.stl type 1\nfix move all move/mesh mesh cad linear 3. 0. 4.\n"
+    lines += "fix belt all wall/gran model hertz tangential off mesh n_meshes 1 meshes cad"
+    speed = inferred(BEADS.format(units="si", boundary="p p f", radius=0.01, lines=lines), "speed")
+    assert speed.value == pytest.approx(5.0)

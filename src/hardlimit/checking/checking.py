@@ -285,9 +285,15 @@ class System:
         for note in _remarks(self.examined, self.options, self.gas, speeds, self.at, plain):
             yield f"In {self.last.units} units: {note}" if several else note
 
-    def corrected(self, code: str, several: bool) -> Iterator[str]:
-        """Corrected lines, which name their units if the script has several."""
-        for line in corrections.lines(code, self.examined, self.options.restitution_error, not self.at):
+    def corrected(
+        self, code: str, several: bool, largest: corrections.LargestStep | None = None
+    ) -> Iterator[str]:
+        """Corrected lines, which name their units if the script has several.
+
+        ``largest``: the longest time step of a state in which contacts last.
+        """
+        accepted = self.options.restitution_error
+        for line in corrections.lines(code, self.examined, accepted, not self.at, largest):
             yield f"{line}{';' if '#' in line else '  #'} {self.last.units} units" if several else line
 
 

@@ -25,19 +25,39 @@ DAMPED: Final = "NewtonIntegrator(damping=0)  # in O.engines, with its other arg
 Examined = Sequence[tuple[Case, CheckedContact]]
 
 
-def lines(code: str, examined: Examined, accepted: float, with_step: bool = True) -> list[str]:
+class LargestStep(NamedTuple):
+    """The largest time step of a state in which contacts last, in the units of the script."""
+
+    step: float
+    reason: str  #: in words, such as "stable at 4.5 contacts per grain"
+
+
+def lines(
+    code: str,
+    examined: Examined,
+    accepted: float,
+    with_step: bool = True,
+    largest: LargestStep | None = None,
+) -> list[str]:
     """Corrected lines; ``accepted`` is the error of ε that the time step may cause.
 
-    A numerical damping is left out only if the script asks for an ε: without it, grains may be undamped.
+    ``largest``: the step of a state in which contacts last, where no error of ε matters. A numerical damping is left
+    out only if the script asks for an ε below 1, and contacts have one: without it, grains may be undamped.
     """
     lines = dict.fromkeys(_numbers(examined))
-    steps = [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
     wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
     damped = bool(wanted and examined[-1][0].numerical_damping)
-    then = span(wanted) if lines else undamped(examined)
-    if steps and with_step:
-        lines[STEP.get(code, "timestep {}").format(texts.rounded_down(min(steps)))] = None
-    if damped and then is not None:
+    then = span(wanted) if any(not line.startswith("#") for line in lines) else undamped(examined)
+    step = STEP.get(code, "timestep {}")
+    if largest is not None:
+        own = [case.time_step for case, _ in examined if case.time_step is not None]
+        if own and max(own) > largest.step:
+            lines[f"{step.format(texts.rounded_down(largest.step))}  # {largest.reason}"] = None
+    elif with_step and (
+        steps := [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
+    ):
+        lines[step.format(texts.rounded_down(min(steps)))] = None
+    if damped and then is not None and float(then.split()[-1]) < 1.0:
         lines[DAMPED.format(then)] = None
     return list(lines)
 
@@ -94,6 +114,9 @@ def _numbers(examined: Examined) -> Iterator[str]:
                 yield f"# {_label(case)}: this model cannot have ε = {wanted:g}"
                 continue
             new = f"{numbers[name]:.6g}"
+            if wanted < 1.0 and (float(new) >= 1.0 if name == "restitution" else float(new) <= 0.0):
+                yield f"# {_label(case)}: for ε = {wanted:g}, {name} would be {new}, which removes all damping"
+                continue
             line = (
                 replaced(setting, place, new)
                 or f"# {name} {new} in place of {setting.words[place]}: {setting.text}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -34,6 +35,8 @@ Example:
   hardlimit check log.lammps --dump dump.box.gz"""
 
 CODES = ("lammps", "liggghts", "yade")
+#: A corrected time step without a reason of its own.
+OWN_STEP = re.compile(r"(timestep|O\.dt = )(?!.*  # (?!\w+ units))")
 #: Options whose names are not those of their arguments.
 OPTIONS = {"variables": "--var"}
 #: Largest number of rows without ``--verbose``.
@@ -285,7 +288,7 @@ def corrections(verdict: Verdict) -> str:
     """What the corrected lines are for; empty if there are none."""
     if not verdict.corrected:
         return ""
-    step = any(line.startswith(("timestep", "O.dt")) for line in verdict.corrected)
+    step = any(OWN_STEP.match(line) for line in verdict.corrected)
     of = f" (time step for an error of ε of {digits(verdict.restitution_error, 2)})" if step else " (for ε)"
     return f"Corrected lines{of}:"
 

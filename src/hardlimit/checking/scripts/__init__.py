@@ -116,7 +116,7 @@ def read_text(
     if name == "yade":
         from . import yade
 
-        return replace(yade.read(text, file, variables, part), version=stated)
+        return replace(yade.read(text, file, variables, part, folder), version=stated)
     kind = Liggghts if name == "liggghts" else Lammps
     known = given(variables)
     state = kind(known, folder, stated or (log[1] if log else "") or None, name, types_seen, part)

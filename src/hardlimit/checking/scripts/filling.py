@@ -8,7 +8,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -54,6 +54,8 @@ class Filling:
     heat: list[Speed] = field(default_factory=list)  #: of velocities drawn at random
     drifts: dict[str, tuple[float | None, ...]] = field(default_factory=dict)  #: velocities of groups
     velocities_known: bool = True  #: whether none of them is unknown
+    #: Least distance of grains placed at random since the last run; infinite without them.
+    apart: float = math.inf
 
     def forget(self) -> None:
         """What is in the box depends on what only a run knows, or on a file that is not read."""
@@ -215,6 +217,9 @@ def create_atoms(state: State, kind: int, words: Sequence[str]) -> None:
             else census.sites_in(filling.lattice, region, ends, periodic, state.dimension)
         )
     filling.census.add(census.lot(kind, count, census.moments((0.5, 0.5))))
+    if style == "random":
+        distance = words[words.index("overlap") + 1] if "overlap" in words[:-1] else "0"
+        filling.apart = min(filling.apart, state.coefficient(distance) or 0.0)
     if style != "single":
         filling.insertions.append(Insertion(region, poured=False))
 
@@ -340,13 +345,25 @@ def mean_mass(state: State) -> float | None:
 def contents(state: State, stage: Stage) -> Contents:
     """What a run has in its box, and the speeds that are stated for it."""
     filling = state.filling
-    stated = (*filling.heat, *drift(state, stage)) if filling.velocities_known else ()
+    heat = filling.heat if overlap_free(filling, stage) else [overlapping(speed) for speed in filling.heat]
+    stated = (*heat, *drift(state, stage)) if filling.velocities_known else ()
     return Contents(
         count=filling.census.count,
         filled=filling.census.filled(state.dimension),
         volume=volume(state),
         speeds=(*stated, *falls(state, stage)),
     )
+
+
+def overlap_free(filling: Filling, stage: Stage) -> bool:
+    """Whether grains that are placed at random do not overlap."""
+    radii = [0.0 if kind.radii is None else kind.radii[1] for kind in stage.grains.values()]
+    return filling.apart >= 2.0 * (1.0 - 1e-6) * max(radii, default=0.0)
+
+
+def overlapping(speed: Speed) -> Speed:
+    """A speed of grains that overlap when they are made: they push each other, so that it decides nothing."""
+    return replace(speed, source=f"{speed.source}, though grains that overlap add to it", decides=False)
 
 
 def planes(state: State) -> dict[int, list[float]]:

@@ -641,8 +641,16 @@ class State:
             return
         self.stage(statement.quote, steps)
 
+    def command_minimize(self, statement: Statement) -> None:
+        self.filling.apart = math.inf  # grains that overlap move apart
+
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
+        self.note_stage(quote, steps)
+        self.filling.apart = math.inf
+
+    def note_stage(self, quote: Quote, steps: int | None) -> None:
+        """The stage of a run, or a longer one before it."""
         if self.stages and not self.changed_since:
             self.longer(steps)
             return

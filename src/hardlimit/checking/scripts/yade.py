@@ -9,12 +9,15 @@ import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Final
 
 from ...convert.tangential import Tangential
+from .census import Lot
 from .description import (
     WALL,
     ContactSettings,
+    Contents,
     Description,
     Direction,
     Grains,
@@ -32,6 +35,18 @@ from .motion import STEADY, UNKNOWN, strongest
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import quoted, refusal
+from .yade_filling import (
+    TEXTS,
+    YadeFilling,
+    cloud,
+    is_number,
+    lot_of,
+    obstacle,
+    radii_in,
+    uniform,
+    vector,
+    volume_of,
+)
 from .yade_friction import FRICTION_ANGLE, Contact, mixed, tangential_of, warnings
 
 DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
@@ -256,6 +271,10 @@ SHAPE_NAMES: Final = {"sphere": "Sphere", "facets": "Facet", "walls": "Wall", "b
 HIDDEN: Final = ("exec", "execfile", "runpy", "run_path", "run_module", "import_module", "__import__")
 
 
+#: Spheres of unknown number.
+UNCOUNTED: Final = Lot(0)
+
+
 @dataclass
 class Body:
     """Spheres of one call, or a wall."""
@@ -268,14 +287,22 @@ class Body:
     mass: float | None = None  #: of a box; None for other bodies, and if it is not known
     several: bool = False  #: whether there may be more than one
     locked: Quote | None = None  #: what keeps it from turning as a free or a fixed sphere does
+    lot: Lot = UNCOUNTED  #: of spheres: how many, and the sums of their radii
 
 
 class Yade(Evaluator):
     """A script of YADE."""
 
     def __init__(
-        self, text: str, file: str = "", variables: Mapping[str, str] = {}, part: bool = False
+        self,
+        text: str,
+        file: str = "",
+        variables: Mapping[str, str] = {},
+        part: bool = False,
+        folder: Path | None = None,
     ) -> None:
+        self.folder = folder
+        self.filling = YadeFilling()
         self.part = (
             part  #: whether this is a part of a script: at its end, and also at a ``wall`` that it lacks
         )
@@ -326,6 +353,7 @@ class Yade(Evaluator):
         """What an iteration runs over: also the centres and the smallest and largest radius of a SpherePack."""
         iterable = self.value(node)
         if isinstance(iterable, Instance) and iterable.name == "SpherePack":
+            self.filling.census.complete = False  # its loop runs over sizes here, not over spheres
             centre = Unknown("a centre")
             sizes = list(dict.fromkeys(size for size in iterable.made if not isinstance(size, Body))) or [
                 None
@@ -432,6 +460,10 @@ class Yade(Evaluator):
     def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
         """An attribute. A change that may be made or not, or that is not understood, is quoted."""
         self.changed = True
+        if name == "vel":
+            self.velocity_assigned(owner, value)
+        if owner == "O.cell" and name in ("hSize", "refHSize"):
+            self.filling.cell = volume_of(value)
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
@@ -451,8 +483,18 @@ class Yade(Evaluator):
             self.not_understood(node, name)
         super().assigned(owner, name, value, node)
 
+    def velocity_assigned(self, owner: Any, value: Any) -> None:
+        """The velocity of a body, or of an unknown one."""
+        body, velocity = body_of(owner), vector(value)
+        if body is None or velocity is None or self.repeats or body.several:
+            self.filling.known = False
+        else:
+            self.filling.velocities[id(body)] = velocity
+
     def scene_assigned(self, name: str, value: Any, node: ast.AST) -> None:
         """An attribute of ``O``."""
+        if name == "periodic":
+            self.filling.periodic = value in (True, 1)
         if name == "dt":
             known = isinstance(value, int | float) and not isinstance(value, bool) and 0.0 < value < math.inf
             before, self.time_step = self.time_step, float(value) if known else None
@@ -506,6 +548,8 @@ class Yade(Evaluator):
             return self.scene_method(name, instance)
         if owner == "O.bodies":
             return self.bodies_method(name, instance)
+        if owner == "O.cell" and name == "setBox":
+            self.filling.cell = vector(instance.argument(0, "size")) or vector(instance.arguments)
         if owner == "O.forces" and name in FORCE_METHODS:
             note = Note(
                 f"an additional force (O.forces.{name})", None, self.quote(instance.line, instance.text)
@@ -622,7 +666,7 @@ class Yade(Evaluator):
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
             self.system += 1
             self.materials.clear()
-            self.bodies, self.numbered = [], 0
+            self.bodies, self.numbered, self.filling = [], 0, YadeFilling()
             self.engines, self.engines_given, self.engines_quote = [], True, None
             self.elsewhere, self.time_step, self.time_step_given = False, None, False
         elif name == "labeledEngine" and instance.arguments:
@@ -648,6 +692,8 @@ class Yade(Evaluator):
             self.unknown[quote] = None
         elif name in ("clear", "replace"):
             self.bodies, self.numbered, self.elsewhere = [], 0, False
+            cell, periodic = self.filling.cell, self.filling.periodic
+            self.filling = YadeFilling(cell=cell, periodic=periodic)
         if name in ("append", "appendClumped", "replace", "insertAtId"):
             before = len(self.bodies)
             self.append(instance, clumped=name == "appendClumped")
@@ -658,6 +704,7 @@ class Yade(Evaluator):
         elif name in CLUMPS or "lump" in name:
             self.clumps(instance)
         elif name == "erase":
+            self.filling.census.complete = False
             self.ignored[Note("bodies that are removed (O.bodies.erase)", None, quote)] = None
         elif name not in ("clear", "getRoundness"):
             self.unknown[quote] = None
@@ -715,14 +762,19 @@ class Yade(Evaluator):
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
-        radius = instance.argument(1, "radius")
-        instance.made.append(self.body(instance, "sphere", as_range(radius)))
+        radius, centre = as_range(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
+        body = self.body(instance, "sphere", radius)
+        body.lot = uniform(None if body.several else 1.0, radius)
+        instance.made.append(body)
+        if centre is not None and not body.frozen:
+            self.filling.places.append((centre, centre))
 
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
         body = self.body(instance, SHAPES[instance.name], None)
         body.several |= instance.name not in ("facet", "wall", "box")
         body.frozen |= instance.name != "box"
+        obstacle(self.filling, instance)
         if instance.name == "box":
             half = instance.argument(1, "extents")
             if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
@@ -748,6 +800,8 @@ class Yade(Evaluator):
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
+        lots, before = pack.attributes.setdefault("lots", []), len(pack.made)
+        number = cloud(self.filling, pack, instance) if name == "makeCloud" else 1.0
         if name == "makeCloud":
             sizes = instance.argument(7, "psdSizes")
             if isinstance(sizes, list | tuple) and sizes and "num" not in instance.attributes:
@@ -759,6 +813,9 @@ class Yade(Evaluator):
                 pack.made.append(fuzzy(instance.argument(2, "rMean"), instance.argument(3, "rRelFuzz", 0.0)))
         elif name == "add":
             pack.made.append(as_range(instance.argument(1, "radius")))
+        elif name in ("load", "fromFile") and (listed := radii_in(self.folder, instance, True)):
+            pack.made.append((min(listed), max(listed)))
+            lots.append(lot_of(listed))
         elif name in PACK_FILES:
             pack.made.append(None)
         elif name == "makeClumpCloud":
@@ -768,7 +825,11 @@ class Yade(Evaluator):
             sizes = list(dict.fromkeys(pack.made)) or [None]
             spheres = [self.body(instance, "sphere", size) for size in sizes]
             self.bodies += [replace(sphere, several=True) for sphere in spheres]
+            self.filling.census.lots += lots if self.repeats == 0 and lots else [UNCOUNTED]
+            if "cell" in pack.attributes:
+                self.filling.cell, self.filling.periodic = pack.attributes["cell"], True
         elif name == "scale":
+            lots[:] = [UNCOUNTED] * len(lots)
             factor = as_range(instance.argument(0, "scaleFactor"))
             pack.made = [
                 None if size is None or factor is None else (factor[0] * size[0], factor[0] * size[1])
@@ -776,6 +837,12 @@ class Yade(Evaluator):
             ]
         elif name == "toList":
             instance.name, instance.made = "SpherePack", pack.made
+        if len(pack.made) == before + 1 and name in ("makeCloud", "add") and not self.repeats:
+            lots.append(
+                uniform(number, pack.made[-1]) if instance.argument(7, "psdSizes") is None else UNCOUNTED
+            )
+        elif len(lots) < len(pack.made):
+            lots.append(UNCOUNTED)
 
     def append(self, instance: Instance, clumped: bool) -> None:
         """``O.bodies.append``: bodies, lists of them, or packings."""
@@ -784,6 +851,7 @@ class Yade(Evaluator):
                 [body for body in part.made if isinstance(body, Body)] if isinstance(part, Instance) else []
             )
             self.bodies += bodies
+            self.filling.census.lots += [body.lot for body in bodies if body.kind == "sphere"]
             if clumped and isinstance(part, Instance):
                 self.clumps(replace(part, name="appendClumped"))
             other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
@@ -793,8 +861,15 @@ class Yade(Evaluator):
                     self.unknown[self.quote(instance.line, instance.text)] = None
 
     def from_file(self, instance: Instance) -> None:
-        """Spheres whose sizes are not in the script."""
+        """Spheres whose sizes are not in the script: in a text beside it, or not known."""
+        listed = radii_in(self.folder, instance, False) if instance.name in TEXTS else None
+        if listed is not None:
+            body = self.body(instance, "sphere", (min(listed), max(listed)))
+            body.several, body.lot = True, UNCOUNTED if self.repeats else lot_of(listed)
+            instance.made.append(body)
+            return
         self.elsewhere = True
+        self.filling.census.complete = self.filling.known = False
         self.unknown[self.quote(instance.line, instance.text)] = None
 
     def clumps(self, instance: Instance) -> None:
@@ -885,7 +960,12 @@ class Yade(Evaluator):
             shear_rate=shear_rate,
             system=self.system,
         )
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=self.system) == new:
+        new = replace(new, contents=self.contents(new))
+        if (
+            self.stages
+            and replace(self.stages[-1], quote=quote, steps=steps, system=self.system, contents=new.contents)
+            == new
+        ):
             self.continue_stage(steps)
         else:
             self.stages.append(new)
@@ -906,8 +986,17 @@ class Yade(Evaluator):
         """More steps of the last stage."""
         old = self.stages[-1].steps
         self.stages[-1] = replace(
-            self.stages[-1], steps=None if steps is None or old is None else old + steps
+            self.stages[-1],
+            steps=None if steps is None or old is None else old + steps,
+            contents=self.contents(self.stages[-1]),
         )
+
+    def contents(self, stage: Stage) -> Contents:
+        """What a run has in its cell; factories make an unknown number of spheres."""
+        contents = self.filling.contents(stage)
+        if self.elsewhere or any(self.used(name) for name in ("BoxFactory", "CircularFactory")):
+            contents = replace(contents, count=None, filled=None)
+        return contents
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
@@ -1002,7 +1091,11 @@ class Yade(Evaluator):
                 ]
                 motions += waves or [UNKNOWN]
             elif engine.name in MOTION and engine.name not in PRESSING:
-                motions.append(STEADY if engine.name in STEADY_MOTION else UNKNOWN)
+                speed = engine.argument(-1, "velocity") if engine.name == "TranslationEngine" else None
+                steady = STEADY
+                if speed is not None and is_number(speed):
+                    steady = replace(STEADY, velocity=abs(float(speed)))
+                motions.append(steady if engine.name in STEADY_MOTION else UNKNOWN)
         return strongest(motions, self.down(self.used("NewtonIntegrator")))
 
     def name(self, k: int) -> str:
@@ -1556,6 +1649,8 @@ def entries(matcher: Instance) -> Iterator[tuple[int, int, float]]:
             yield int(entry[0]), int(entry[1]), float(entry[2])
 
 
-def read(text: str, file: str, variables: Mapping[str, str], part: bool = False) -> Description:
-    """Describe a script of YADE."""
-    return Yade(text, file, variables, part).description()
+def read(
+    text: str, file: str, variables: Mapping[str, str], part: bool = False, folder: Path | None = None
+) -> Description:
+    """Describe a script of YADE; ``folder``: of files of spheres."""
+    return Yade(text, file, variables, part, folder).description()
