@@ -234,7 +234,7 @@ def test_bad_options():
 # --- the time step ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("ratio", "measured"), [(0.0, 2.38), (2 / 7, 2.63), (1.0, 4.80)])
+@pytest.mark.parametrize(("ratio", "measured"), [(0.0, 2.39), (2 / 7, 2.66), (0.5, 3.43), (1.0, 4.83)])
 def test_the_highest_frequency_of_settled_beds(ratio, measured):
     """ω √(m/k) of the contact networks of beds with z = 4.7, without dashpots."""
     springs = at_rest.Springs(1.0, ratio)
@@ -418,3 +418,16 @@ def test_the_overlap_in_a_settled_bed():
     assert at_rest.mean_force(expected.stress_share * weight, 2e-3, expected, 3) == pytest.approx(
         force.mean(), rel=0.2
     )
+
+
+def test_a_step_too_long_for_a_packing_is_corrected():
+    """Half of the longest stable one; a shorter step stays, whatever its error of ε."""
+    bed = script(CLIPPED, FALL, WALL)
+    long = hl.check(bed.replace("timestep 1e-7", "timestep 1e-5"), height=0.1)
+    assert long.state.step_share > 1.0
+    assert long.corrected == ("timestep 3.914e-06  # 0.5 of the longest stable one at 6 contacts per grain",)
+    assert hl.check(bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1).corrected == ()
+    flow = hl.check(
+        bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1, shear_rate=1e3, packing_fraction=0.3
+    )
+    assert flow.state.regime == "collisional" and flow.corrected and "stable" not in flow.corrected[0]
