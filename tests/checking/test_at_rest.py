@@ -80,11 +80,17 @@ def test_numbers_without_dimension_do_not_depend_on_units():
         CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "981"), WALL.replace("1e5", "1e8"),
         units="cgs", grains="set type 1 diameter 0.2 density 2.5",
     )  # fmt: skip
-    beds = [state(text, height=0.1) for text in (script(CLIPPED, FALL, WALL), cgs)]
-    for name in ("pressure", "overlap", "stiffness_number", "largest_stable_step", "step_share"):
-        assert getattr(beds[0], name) == pytest.approx(getattr(beds[1], name))
-    assert [bed.stiffness_unit for bed in beds] == ["N/m", "dyn/cm"]
-    assert beds[1].stiffness_for_rigid == pytest.approx(1e3 * beds[0].stiffness_for_rigid)
+    micro = script(
+        CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "9.81e-6"), WALL.replace("1e5", "1e8"),
+        units="micro", grains="set type 1 diameter 2e3 density 2.5",
+    ).replace("block 0 1 0 1 0 1", "block 0 1e6 0 1e6 0 1e6").replace("timestep 1e-7", "timestep 0.1")  # fmt: skip
+    for options in ({"height": 0.1}, {"pressure": 200.0}):
+        beds = [state(text, **options) for text in (script(CLIPPED, FALL, WALL), cgs, micro)]
+        for name in ("pressure", "overlap", "stiffness_number", "largest_stable_step", "step_share"):
+            values = [getattr(bed, name) for bed in beds]
+            assert values == pytest.approx([values[0]] * 3), name
+        assert [bed.stiffness_unit for bed in beds] == ["N/m", "dyn/cm", "nN/µm"]
+        assert beds[1].stiffness_for_rigid == pytest.approx(1e3 * beds[0].stiffness_for_rigid)
 
 
 def test_lj_units_have_no_names():
@@ -228,7 +234,7 @@ def test_bad_options():
 # --- the time step ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("ratio", "measured"), [(0.0, 2.38), (2 / 7, 2.63), (1.0, 4.80)])
+@pytest.mark.parametrize(("ratio", "measured"), [(0.0, 2.39), (2 / 7, 2.66), (0.5, 3.43), (1.0, 4.83)])
 def test_the_highest_frequency_of_settled_beds(ratio, measured):
     """ω √(m/k) of the contact networks of beds with z = 4.7, without dashpots."""
     springs = at_rest.Springs(1.0, ratio)
@@ -412,3 +418,16 @@ def test_the_overlap_in_a_settled_bed():
     assert at_rest.mean_force(expected.stress_share * weight, 2e-3, expected, 3) == pytest.approx(
         force.mean(), rel=0.2
     )
+
+
+def test_a_step_too_long_for_a_packing_is_corrected():
+    """Half of the longest stable one; a shorter step stays, whatever its error of ε."""
+    bed = script(CLIPPED, FALL, WALL)
+    long = hl.check(bed.replace("timestep 1e-7", "timestep 1e-5"), height=0.1)
+    assert long.state.step_share > 1.0
+    assert long.corrected == ("timestep 3.914e-06  # 0.5 of the longest stable one at 6 contacts per grain",)
+    assert hl.check(bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1).corrected == ()
+    flow = hl.check(
+        bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1, shear_rate=1e3, packing_fraction=0.3
+    )
+    assert flow.state.regime == "collisional" and flow.corrected and "stable" not in flow.corrected[0]

@@ -443,7 +443,11 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         ),
         warnings=_warnings(script, rows),
         corrected=tuple(
-            dict.fromkeys(line for system in systems for line in system.corrected(script.code, several))
+            dict.fromkeys(
+                line
+                for system in systems
+                for line in system.corrected(script.code, several, _step_at_rest(grains, system, last))
+            )
         ),
         quantity=None if final.question.driven else final.question.quantity,
         restitution_error=options.restitution_error,
@@ -844,6 +848,18 @@ def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> an
     """A collisional flow under gravity is driven, but no homogeneous gas."""
     flows = grains.regime == "collisional" and gravity
     return replace(question, driven="a collisional flow under gravity") if flows else question
+
+
+def _step_at_rest(grains: GrainState, system: System, last: Stage) -> corrections.LargestStep | None:
+    """A safe time step of grains in lasting contact in the units of their run; None for other systems than the last."""
+    longest = grains.largest_stable_step
+    if longest is None or grains.regime == "collisional" or system.last is not last:
+        return None
+    share, contacts = at_rest.SAFE_SHARE, digits(grains.coordination or 0.0, 2)
+    step = share * longest / SCALES[last.units][2]
+    return corrections.LargestStep(
+        step, f"{share:g} of the longest stable one at {contacts} contacts per grain"
+    )
 
 
 def _held(stage: Stage, support: drive.Support, options: Options, around: loads.Around) -> GrainState:

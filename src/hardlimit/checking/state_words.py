@@ -26,6 +26,8 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     if state.inertial_number is not None:
         sign = "≥ " if state.pressure_is_bound else ""
         parts.append(f"I = γ̇ d √(ρ/p) = {sign}{digits(state.inertial_number, 2)}: {state.regime} flow")
+    elif state.name == "flow":
+        parts.append("--shear gives the inertial number")
     if state.regime != "collisional":
         parts.append(_step(state, plain))
     return " ".join(f"{part}." for part in parts if part)
