@@ -11,7 +11,8 @@ import pytest
 
 import hardlimit as hl
 from command_line import refused, run
-from hardlimit.checking import cases, checking, corrections
+from conftest import slow
+from hardlimit.checking import cases, checking, corrections, stated
 from hardlimit.checking.contacts import Surroundings
 from hardlimit.checking.scripts import read
 
@@ -637,3 +638,81 @@ def test_a_belt_of_liggghts_has_its_speed():
     lines += "fix belt all wall/gran model hertz tangential off mesh n_meshes 1 meshes cad"
     speed = inferred(BEADS.format(units="si", boundary="p p f", radius=0.01, lines=lines), "speed")
     assert speed.value == pytest.approx(5.0)
+
+
+# --- nothing ends in an exception -------------------------------------------------------------------------------
+
+WORDS = """
+0 1 -1 1e300 1e-300 0.5 2 nan x y z all part none sc fcc hex bcc block sphere cylinder prism INF EDGE units box
+lattice origin create set scale ramp random single region NULL overlap 0.01 v_a ${b} p f diam one poly range dens vel
+side out volumefraction_region nparticles once particles_in_region insert_every zplane zcylinder 10 100 7 sum yes -inf
+"""
+STARTS = """lattice
+region part
+region part block
+region part cylinder z
+velocity
+boundary
+replicate
+create_atoms 1
+fix ins all pour
+fix ins all deposit
+fix ins all insert/pack seed 7 distributiontemplate pdd1
+fix g all gravity
+fix w all wall/gran granular hooke 1e5 0.9 damping coeff_restitution
+fix m all move
+change_box all
+delete_atoms
+set type 1 diameter
+minimize"""
+ARGUMENTS = (
+    "0 1 -1 0.5 1e300 10**400 None 'x' x True (0,0,0) (1,1,1) (1,2) [] Vector3(0,0,1) float('nan') mat sp"
+)
+CALLS = """sp.makeCloud({})
+sp.load({})
+sp.add({})
+sp.scale({})
+sp.toSimulation()
+O.cell.setBox({})
+O.cell.hSize = Matrix3({})
+O.periodic = ({})
+O.bodies.append(wall({}))
+O.bodies.append(box({}))
+O.bodies.append(facet([{}]))
+O.bodies.append(facet({}))
+O.bodies.append(sphere({}))
+O.bodies.append(geom.facetBox({}))
+O.bodies.append(ymport.text({}))
+O.bodies.append(ymport.textExt({}))
+O.bodies[0].state.vel = ({})
+O.bodies.erase({})
+O.bodies.clear()"""
+
+
+def assert_sound(text):
+    """What follows from a script that is not refused is a positive number."""
+    try:
+        stages = read(text).stages
+    except ValueError:
+        return
+    numbers = [stated.speed(stages), *map(stated.packing_fraction, stages)] if stages else []
+    assert all(0.0 < number.value < math.inf for number in numbers if number is not None), text
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(slow(seed) for seed in range(4, 60))])
+def test_statements_of_any_words_are_read_or_quoted(seed):
+    """A number, or none; never an exception but a refusal."""
+    rng = random.Random(seed)
+
+    def some(starts, words, most, join):
+        return rng.choice(starts), join.join(rng.choice(words) for _ in range(rng.randint(0, most)))
+
+    for _ in range(10):
+        lines = [" ".join(some(STARTS.split("\n"), WORDS.split(), 9, " ")) for _ in range(rng.randint(1, 6))]
+        at = rng.randint(0, len(lines))
+        grains = "create_atoms 1 random 100 7 cell\nset type 1 diameter 0.01"
+        assert_sound(box(*lines[:at], grains, *lines[at:]))
+        assert_sound(BEADS.format(units="si", boundary="p p f", radius=0.01, lines="\n".join(lines)))
+        calls = [some(CALLS.split("\n"), ARGUMENTS.split(), 6, ", ") for _ in range(rng.randint(1, 6))]
+        made = "\n".join(call.format(arguments) for call, arguments in calls)
+        assert_sound(yade(f"sp = pack.SpherePack()\n{made}", rng.choice([0.0, -9.81])))

@@ -60,5 +60,10 @@ def moving(stage: Stage) -> Iterator[Speed]:
 def resting(stage: Stage) -> Iterator[Speed]:
     """The speed of grains that are close to rest under gravity: they fall by about a diameter."""
     radii = [kind.radii[1] for kind in stage.grains.values() if kind.radii is not None and not kind.frozen]
-    if stage.gravity and radii and len(radii) == sum(not kind.frozen for kind in stage.grains.values()):
+    if (
+        stage.gravity
+        and stage.gravity > 0.0
+        and radii
+        and len(radii) == sum(not kind.frozen for kind in stage.grains.values())
+    ):
         yield Speed(math.sqrt(2.0 * max(radii) * stage.gravity), "√(g d) of grains at rest")

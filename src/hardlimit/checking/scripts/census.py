@@ -27,7 +27,7 @@ LATTICES: Final[dict[str, tuple[tuple[tuple[float, float, float], ...], tuple[fl
     "hex": (((0.0, 0.0, 0.0), (0.5, 0.5, 0.0)), (1.0, math.sqrt(3.0), 1.0)),
 }
 #: Most sites of a lattice that are counted one by one.
-MAX_SITES: Final = 3_000_000
+MAX_SITES: Final = 1_000_000
 #: Share of the edge of a box at its upper end where ``create_atoms`` leaves out the sites of a periodic lattice.
 END: Final = 2e-6
 ROUNDING: Final = 1e-9
@@ -71,7 +71,9 @@ class Lot(NamedTuple):
         """The same number of grains of another radius."""
         if radius is None or self.number is None:
             return self._replace(squares=None, cubes=None)
-        return self._replace(squares=self.number * radius**2, cubes=self.number * radius**3)
+        return self._replace(
+            squares=self.number * radius * radius, cubes=self.number * radius * radius * radius
+        )
 
 
 @dataclass
@@ -138,6 +140,8 @@ def sites_in(
         return None
     limits = extents(region, box) if region else list(box)
     if limits is None:
+        return None
+    if any((high - low) / edge > MAX_SITES for (low, high), edge in zip(box, cell.edges, strict=True)):
         return None
     axes = [
         [axis_sites(cell, k, site, limits[k], box[k], periodic[k]) for k in range(dimension)]
@@ -222,13 +226,11 @@ def moments(radii: Range, weights: Sequence[tuple[float, float]] = ()) -> tuple[
     """Means of r² and r³ of uniform radii, or of radii with their ``weights``."""
     if weights:
         total = math.fsum(weight for _, weight in weights)
-        square, cube = (math.fsum(w * r**p for r, w in weights) / total for p in (2, 3))
+        square, cube = (math.fsum(w * math.prod([r] * p) for r, w in weights) / total for p in (2, 3))
         return square, cube
     low, high = radii
-    if low == high:
-        return low**2, low**3
-    width = high - low
-    return (high**3 - low**3) / (3.0 * width), (high**4 - low**4) / (4.0 * width)
+    square = (high * high + high * low + low * low) / 3.0
+    return square, (high + low) * (high * high + low * low) / 4.0
 
 
 def lot(kind: int, count: float | None, means: tuple[float, float] | None) -> Lot:

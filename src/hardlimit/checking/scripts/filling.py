@@ -173,7 +173,11 @@ def read_data(state: State, text: str, grains: Sequence[tuple[int, Batch]], shif
         velocities = np.array([row[1 : 1 + state.dimension] for row in rows], float)
     except ValueError:
         velocities = np.empty((0, state.dimension))
-    if len(velocities) != len(grains) or len({batch for _, batch in grains}) > 1:
+    if (
+        len(velocities) != len(grains)
+        or not np.isfinite(velocities).all()
+        or len({batch for _, batch in grains}) > 1
+    ):
         filling.velocities_known = False
     elif (heat := float(velocities.var(axis=0).mean())) > 0.0:
         source = "the velocities in the data file"
@@ -295,7 +299,7 @@ def read_velocity(state: State, statement: Statement) -> None:
     every = members.whole and (members.types is None or members.types >= moving)
     if style in ("create", "scale"):
         mass, heat = mean_mass(state), state.coefficient(words[0] if words else "")
-        known = heat is not None and heat >= 0.0 and mass is not None and state.units in BOLTZMANN
+        known = heat is not None and heat >= 0.0 and bool(mass) and state.units in BOLTZMANN
         if not known or not every or "sum" in words:
             filling.velocities_known = False
         elif heat and mass and heat is not None:
@@ -326,7 +330,7 @@ def mean_mass(state: State) -> float | None:
         ends = grains.masses
         if grains.densities is not None and grains.radii is not None:
             pairs = zip(grains.radii, grains.densities, strict=True)
-            ends = tuple(4.0 / 3.0 * math.pi * r**3 * density for r, density in pairs)  # type: ignore[assignment]
+            ends = tuple(4.0 / 3.0 * math.pi * r * r * r * density for r, density in pairs)  # type: ignore[assignment]
         if ends is None or not math.isclose(*ends, rel_tol=1e-9):
             return None
         masses[kind] = ends[0]
@@ -416,7 +420,13 @@ def volume(state: State) -> float | None:
 def falls(state: State, stage: Stage) -> Iterator[Speed]:
     """The speeds with which grains reach the floor from where they are made."""
     axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
-    if not axes or not stage.gravity or stage.down is None or state.filling.periodic(axes[0]):
+    if (
+        not axes
+        or stage.gravity is None
+        or stage.gravity <= 0.0
+        or stage.down is None
+        or state.filling.periodic(axes[0])
+    ):
         return
     axis, sign = axes[0], -1.0 if stage.down[axes[0]] > 0.0 else 1.0
     box = state.filling.box.get(axis)
@@ -443,7 +453,7 @@ def fallen(height: float, start: float, gravity: float, poured: bool, floor: boo
         source += " from the insertion region" if poured else " within the box"
         source += "" if floor else ", at most: to the end of the box"
         source += " and the speed of the insertion" if start else ""
-    return Speed(math.sqrt(start**2 + 2.0 * gravity * height), source, height or None)
+    return Speed(math.hypot(start, math.sqrt(2.0 * gravity * height)), source, height or None)
 
 
 def drift(state: State, stage: Stage) -> Iterator[Speed]:

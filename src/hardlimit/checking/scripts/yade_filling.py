@@ -15,6 +15,8 @@ from .python import Instance, flat
 
 #: Cosine of the angle up to which gravity counts as along an axis.
 ALONG: Final = 1.0 - 1e-6
+#: Largest number whose third power is finite.
+LARGEST: Final = 1e100
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
 TEXTS: Final = ("text", "textExt")
 
@@ -48,8 +50,8 @@ def vector(value: Any) -> Direction | None:
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is a known finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    """Whether a value is a known number whose powers are finite."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST < value < LARGEST
 
 
 def cloud(filling: YadeFilling, pack: Instance, instance: Instance) -> float | None:
@@ -80,7 +82,8 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
             low[axis] = high[axis] = float(at)
             filling.floors.append(((low[0], low[1], low[2]), (high[0], high[1], high[2])))
     elif instance.name == "facet":
-        corners = [vector(corner) for corner in (instance.argument(0, "vertices") or ())]
+        vertices = instance.argument(0, "vertices")
+        corners = [vector(corner) for corner in (vertices if isinstance(vertices, list | tuple) else ())]
         known = [corner for corner in corners if corner is not None]
         if known and len(known) == len(corners):
             axes = list(zip(*known, strict=True))
