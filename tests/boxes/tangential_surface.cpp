@@ -1,5 +1,5 @@
-// β from the tables in two numbers (tangential_surface.hpp) beside the contacts themselves. A line for each setting:
-// contacts, largest difference of 1 + β, contacts whose slip differs.
+// β from the tables in two numbers (tangential_surface.hpp) beside the contacts themselves. A line for each
+// setting: contacts, largest difference of 1 + β, contacts whose slip differs.
 #include "boxes/binary_contact/tangential_surface.hpp"
 
 #include <cstdio>

@@ -158,7 +158,7 @@ private:
 // β of the contacts of a box for which there is no TangentialTable.
 class TangentialSurfaces {
 public:
-    // A table costs as much as some ten thousand contacts: the first collisions of a box, which are counted, are solved.
+    // A table costs as much as some ten thousand contacts: the first collisions of a box are solved.
     static constexpr u64 without_table = 30000;
 
     TangentialResult operator()(const contact::FrictionalContact& c, const PairGeometry& pair,
