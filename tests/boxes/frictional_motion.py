@@ -33,7 +33,7 @@ def norm(a: Vector) -> float:
 
 
 class TooCostlyError(Exception):
-    """A contact of more than ``MAX_EVALUATIONS``."""
+    """A contact of more than ``MAX_EVALUATIONS``, or of steps that are too small for SciPy."""
 
 
 @dataclass
@@ -220,7 +220,8 @@ def integrate(
             max_step=0.04 * duration,
             **TOLERANCE,
         )
-        assert run.success, run.message
+        if not run.success:  # steps as small as the spacing of numbers
+            raise TooCostlyError
         which = next(i for i, times in enumerate(run.t_events) if len(times))
         t, y = float(run.t_events[which][0]), run.y_events[which][0].copy()
         event, at = names[which], motion.pieces(y)
