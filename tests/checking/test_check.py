@@ -798,7 +798,7 @@ KEYS = {
     "numerical_damping": float | None, "stages": list, "dump": list, "checked": list, "ignored": list,
     "invalidates": list, "unknown": list, "missing": list, "remarks": list, "corrected": list,
     "admissible": bool | None, "sentence": str, "quantity": str | None, "restitution_error": float,
-    "speeds_chosen": bool, "warnings": list,
+    "speeds_chosen": bool, "warnings": list, "state": dict,
 }  # fmt: skip
 MAYBE = float | None
 CONTACT = {

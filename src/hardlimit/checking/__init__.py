@@ -31,6 +31,8 @@ def check(
     power: float | None = None,
     shear_rate: float | None = None,
     restitution_error: float | None = None,
+    pressure: float | None = None,
+    height: float | None = None,
 ) -> Verdict:
     """Check what the contacts of a simulation really do, and whether an event-driven simulation may replace it.
 
@@ -65,6 +67,11 @@ def check(
         the work of the shear stress. Spheres with ε of at least 0.5.
     restitution_error : float, optional
         Error of ε that a time step may cause, 0.001 by default: that of the corrected lines.
+    pressure : float [Pa], optional
+        Pressure on grains that are held together; as in the script if it is in ``lj`` units, in two dimensions a force
+        per length [N/m]. It comes before what the script says.
+    height : float [m], optional
+        Height of a bed that rests under gravity, instead of ``pressure``: the number is that at its bottom.
 
     Returns
     -------
@@ -113,6 +120,8 @@ def check(
         power=power,
         shear_rate=shear_rate,
         restitution_error=restitution_error,
+        pressure=pressure,
+        height=height,
     )
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
+
+import numpy as np
 
 from ..boxes.system import ParticleSystem
 from ..boxes.time_step import DEFAULT_ERROR, accepted_error
@@ -18,7 +20,8 @@ from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
 from ..support.units import SYSTEMS
-from . import answer, cases, corrections, drive, dumps, friction_words
+from . import answer, at_rest, cases, corrections, drive, dumps, friction_words, loads, state_words
+from .at_rest import GrainState
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Verdict
@@ -37,8 +40,10 @@ NO_RUN: Final = Stage(
     gravity=None,
     numerical_damping=None,
 )
+NO_LOAD, NO_SUPPORT = loads.LoadOptions(), drive.Support(False, False)
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
+RESTS: Final = "grains rest on each other under gravity"
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
@@ -68,6 +73,7 @@ class Options:
     variables: Mapping[str, str]
     drive: drive.Drive | None = None
     restitution_error: float = DEFAULT_ERROR
+    load: loads.LoadOptions = NO_LOAD
 
 
 def checked(
@@ -83,6 +89,8 @@ def checked(
     power: Any,
     shear_rate: Any,
     restitution_error: Any,
+    pressure: Any,
+    height: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
     if not isinstance(source, str | Path | ParticleSystem | Ball):
@@ -99,6 +107,7 @@ def checked(
         {str(name): str(value) for name, value in variables.items()},
         drive.checked_drive(power, shear_rate, speeds),
         accepted_error(restitution_error),
+        loads.checked_load(pressure, height),
     )
     if isinstance(source, str | Path):
         for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
@@ -131,7 +140,8 @@ def _of_bodies(
             raise ValueError(f"dimension: got {dimension}, must be left out with a system")
         return _of_system(source, law, options, step)
     d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
-    return _of_law([source], law, options, step, d, walls=True)
+    gravity = None if options.load.height is None else at_rest.GRAVITY
+    return _of_law([source], law, options, step, replace(NO_RUN, dimension=d, gravity=gravity), walls=True)
 
 
 def _speeds(speed: Any) -> tuple[float, ...]:
@@ -300,7 +310,12 @@ def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Seq
     measured = options.speeds or any(state.temperature for state in states)
     supply = options.drive if measured else purpose
     driven, purpose = (source and source.in_units(*scales) for source in (supply, purpose))
-    options = replace(options, speeds=tuple(v * time / length for v in options.speeds), drive=driven)
+    options = replace(
+        options,
+        speeds=tuple(v * time / length for v in options.speeds),
+        drive=driven,
+        load=options.load.in_units(*scales, last.dimension),
+    )
     gas, speeds = _surroundings(options, states, last.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
     chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
@@ -358,16 +373,22 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
     rows = sorted((row for system in systems for row in system.rows), key=lambda row: row.stage)
     supports = [drive.support(stage) for stage in script.stages]
     chosen = any(system.at for system in systems)
+    final = next(system for system in systems if system.last is last)
+    barostat = any("barostat" in note.what for note in script.invalidates)
+    grains = _held_in_script(final, frames, states, barostat)
+    final = replace(final, question=_flowing(final.question, grains, bool(last.gravity)))
+    systems = [final if system.last is last else system for system in systems]
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, supports, rows, states, chosen)
+    invalidates += _held_together(grains, options, _lasting(script.stages, supports, rows, states, chosen))
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)
-    final = next(system for system in systems if system.last is last)
     several = len({stage.units for stage in stages}) > 1
     _, length, time = SCALES[last.units]
     return Verdict(
         admissible=admissible,
-        sentence=sentence + answer.steady(final.rows, final.supply, last.units == "lj"),
+        sentence=sentence
+        + answer.steady(final.rows, final.supply, last.units == "lj")
+        + _words_of_state(grains, last.units, last.dimension),
         code=script.code,
         version=script.version,
         units=last.units,
@@ -395,6 +416,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         quantity=None if final.question.driven else final.question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=chosen,
+        state=grains,
     )
 
 
@@ -478,12 +500,11 @@ def _lasting(
 
     ``chosen``: speeds are not given; a contact is then overdamped if it is at all speeds.
     """
-    coordination = states[-1].coordination if states else None
-    if coordination is not None:
-        allowed = 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
-        if coordination > allowed:
-            yield Finding(f"grains have {coordination:.2g} contacts on average in the dump, so contacts last")
-    else:
+    lasting = _contacts_last(rows, states)
+    if lasting:
+        coordination = states[-1].coordination
+        yield Finding(f"grains have {coordination:.2g} contacts on average in the dump, so contacts last")
+    elif lasting is None:
         pressed = [note for stage in stages for note in stage.pressed]
         if pressed:
             what = f"grains are pressed together ({pressed[0].what})"
@@ -506,10 +527,31 @@ def _lasting(
             yield Finding("overdamped contacts", types)
 
 
+def _contacts_last(rows: Sequence[CheckedContact], states: Sequence[dumps.State]) -> bool | None:
+    """Whether grains have more contacts in the last frame of a dump than collisions make; None if it is not known."""
+    coordination = states[-1].coordination if states else None
+    return (
+        None
+        if coordination is None
+        else coordination > 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
+    )
+
+
+def _held_together(grains: GrainState, options: Options, lasting: Iterable[Finding]) -> Iterator[Finding]:
+    """Findings of lasting contacts: that which options state first, and no rest in a collisional flow."""
+    findings = list(lasting)
+    if grains.regime == "collisional":
+        findings = [finding for finding in findings if not finding.what.startswith(RESTS)]
+    elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
+        how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
+        yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
+    yield from findings
+
+
 def _rest(support: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
-    return f"grains rest on each other under gravity{shaking}"
+    return f"{RESTS}{shaking}"
 
 
 def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Finding]:
@@ -742,6 +784,59 @@ def _stage(number: int, stage: Stage, support: drive.Support) -> CheckedStage:
     )
 
 
+def _held_in_script(
+    final: System, frames: Sequence[dumps.Frame], states: Sequence[dumps.State], barostat: bool
+) -> GrainState:
+    """How the grains of the last run are held together, in SI units."""
+    stage = final.last
+    examined = {id(case): case for case, _ in final.examined}
+    newest = max((case.stage for case in examined.values()), default=0)
+    moving = {name: value for name, value in _densities(stage).items() if not stage.grains[name].frozen}
+    around = loads.Around(
+        cases=[case for case in examined.values() if case.stage == newest],
+        dimension=stage.dimension,
+        units=stage.units,
+        state=states[-1] if states else None,
+        bed=dumps.bed(frames[-1], _radii(stage), moving, stage.down, stage.dimension)
+        if frames and stage.down
+        else None,
+        lasting=_contacts_last([row for _, row in final.examined], states),
+        barostat=barostat,
+    )
+    return _held(stage, drive.support(stage), final.options, around)
+
+
+def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
+    """A collisional flow under gravity is driven, but no homogeneous gas."""
+    flows = grains.regime == "collisional" and gravity
+    return replace(question, driven="a collisional flow under gravity") if flows else question
+
+
+def _held(stage: Stage, support: drive.Support, options: Options, around: loads.Around) -> GrainState:
+    """How grains are held together, in SI units; ``options`` are in the units of the run."""
+    rate = None if options.drive is None else options.drive.shear_rate
+    load = loads.load_of(stage, support, options.load, rate, around)
+    state = at_rest.grain_state(around.cases, load, stage.time_step, around.dimension)
+    mass, length, time = SCALES[stage.units]
+    unit = mass / (length ** (around.dimension - 2) * time**2)
+    step, pressure = state.largest_stable_step, state.pressure
+    springs = [
+        case.spring_powers for case in around.cases if case.spring and case.spring[0] == state.stiffness
+    ]
+    return replace(
+        state,
+        stiffness_unit=_unit(springs[0], stage.units) if springs else None,
+        pressure=None if pressure is None else pressure * unit,
+        largest_stable_step=None if step is None else step * time,
+    )
+
+
+def _words_of_state(state: GrainState, units: str, dimension: int = 3) -> str:
+    """The sentence on how grains are held together, after a blank."""
+    text = state_words.sentence(state, units == "lj", dimension)
+    return f" {text}" if text else ""
+
+
 # --- systems and numbers --------------------------------------------------------------------------------------
 
 
@@ -767,16 +862,22 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
     driven = drive.words_of(None, support) if options.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
     question = answer.Question(quantity, False, driven, drive.option_of(support, 1.0, 1.0), purpose)
+    pull = float(np.linalg.norm(system.gravity))
+    stage = replace(
+        NO_RUN, gravity=pull or None, shear_rate=abs(system.shear_rate) or None, dimension=system.dimension
+    )
     return _of_law(
         balls=cases.sizes(system),
         law=law,
         options=options,
         step=step,
-        dimension=system.dimension,
+        stage=stage,
         walls=walls,
         states=(state,),
         resting=resting,
         question=question,
+        support=support,
+        bed=loads.bed_of_system(system),
     )
 
 
@@ -785,17 +886,20 @@ def _of_law(
     law: Law,
     options: Options,
     step: float | None,
-    dimension: int,
+    stage: Stage,
     walls: bool,
     states: tuple[dumps.State, ...] = (),
     resting: Sequence[Finding] = (),
     question: answer.Question | None = None,
+    support: drive.Support = NO_SUPPORT,
+    bed: tuple[float, float] | None = None,
 ) -> Verdict:
     if question is None:
         question = answer.Question("cooling" if options.drive is None else options.drive.quantity)
     contacts = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
+    dimension = stage.dimension
     dumped = _states(_frames(options), radii, dimension, densities)
     question = replace(question, dumped=bool(dumped))
     gas, speeds = _surroundings(options, dumped or states, dimension)
@@ -804,12 +908,23 @@ def _of_law(
     examined = _examined(contacts, gas, speeds, options.drive, options.drive or question.purpose, chosen)
     rows = [_in_si(*pair, "si") for pair in examined]
     at = "" if speeds or options.drive or all(row.speed is None for row in rows) else " at 1 m/s"
-    invalidates = [*resting, *_lasting((), (), rows, dumped, bool(at))]
+    around = loads.Around(
+        cases=contacts,
+        dimension=dimension,
+        state=dumped[-1] if dumped else None,
+        bed=bed,
+        lasting=_contacts_last(rows, dumped),
+    )
+    grains = _held(replace(stage, time_step=step), support, options, around)
+    question = _flowing(question, grains, stage.gravity is not None)
+    invalidates = [*_held_together(grains, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive), dumped)
     admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
         admissible=admissible,
-        sentence=sentence + answer.steady(rows, options.drive, False),
+        sentence=sentence
+        + answer.steady(rows, options.drive, False)
+        + _words_of_state(grains, "si", dimension),
         code=None,
         version=None,
         units="si",
@@ -830,4 +945,5 @@ def _of_law(
         quantity=None if question.driven else question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=bool(at),
+        state=grains,
     )

@@ -196,6 +196,36 @@ def state(
     )
 
 
+def bed(
+    frame: Frame,
+    radii: Mapping[str, float],
+    densities: Mapping[str, float],
+    down: Sequence[float],
+    dimension: int,
+) -> tuple[float, float] | None:
+    """Height of the grains along gravity, and their mass over the area below them; None if it is not known.
+
+    ``down``: direction of gravity, which must be along an axis.
+    """
+    axes = [k for k in range(dimension) if abs(down[k]) > 1.0 - 1e-9]
+    radius, at = _radius(frame, radii), _positions(frame, dimension)
+    if len(axes) != 1 or radius is None or at is None:
+        return None
+    mass = frame.columns.get("mass")
+    if mass is None:
+        ball = 4.0 / 3.0 * math.pi * radius**3
+        kinds = frame.types or [""] * frame.count
+        density = frame.columns.get("density", np.array([densities.get(name, 0.0) for name in kinds]))
+        mass = ball * density
+    edges = (frame.high - frame.low)[:dimension]
+    reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
+    filled = np.where(frame.periodic[:dimension], edges, np.minimum(reach, edges))
+    area = float(np.prod(np.delete(filled, axes[0])))
+    if not (mass > 0.0).all() or not area > 0.0:
+        return None
+    return float(reach[axes[0]]), float(mass.sum()) / area
+
+
 def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:
     """Radii, and masses if the dump has them, of the smallest and the largest grain of each type.
 

@@ -12,6 +12,7 @@ from ..boxes.error_law import KNOWN_RULES
 from ..boxes.time_step import DEFAULT_ERROR
 from ..support import html
 from ..support.formatting import digits
+from .at_rest import GAS, GrainState
 from .contacts import CheckedContact
 from .dumps import State
 
@@ -113,6 +114,7 @@ class Verdict:
     quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
     speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
+    state: GrainState = GAS  #: how grains are held together, at the last run
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -186,6 +188,7 @@ class Verdict:
             "quantity": self.quantity,
             "restitution_error": self.restitution_error,
             "speeds_chosen": self.speeds_chosen,
+            "state": self.state.to_dict(),
             "admissible": self.admissible,
             "sentence": self.sentence,
         }

@@ -11,7 +11,8 @@ import click
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..checking import check as checked
-from ..checking.answer import Question, given_by, judged, stiffness
+from ..checking import state_words
+from ..checking.answer import OPTIONS, Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
 from ..checking.friction_words import but_for_steps, words
@@ -79,6 +80,14 @@ script_options = options(
     quantity_option("--shear", "shear_rate", unit="1/s", help="Shear rate [1/s] instead of the speed."),
     quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
     quantity_option(
+        "--pressure",
+        unit="Pa",
+        help="Pressure on grains at rest [Pa]; as in the script if it is in lj units.",
+    ),
+    quantity_option(
+        "--height", unit="m", help="Height of the bed [m], instead of the pressure at its bottom."
+    ),
+    quantity_option(
         "--restitution-error",
         unit="1",
         help="Error of ε that a time step may cause: that of the corrected lines.  [default: 0.001]",
@@ -122,6 +131,8 @@ def check(
     power: float | None,
     shear_rate: float | None,
     packing_fraction: float | None,
+    pressure: float | None,
+    height: float | None,
     restitution_error: float | None,
     variables: dict[str, str],
     code: str | None,
@@ -137,6 +148,9 @@ def check(
     if sum(value is not None for value in (speed, power, shear_rate)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
     conditions |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
+    if pressure is not None and height is not None:
+        raise ValueError("--pressure | --height: must be at most one of them")
+    conditions |= {"pressure": pressure, "height": height}
     if file is None:
         verdict = from_numbers(numbers, variables, code, conditions)
     else:
@@ -204,6 +218,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
         say(" ".join(verdict.remarks))
     if verbose:
         details(verdict)
+        for line in state_words.details(verdict):
+            say(line)
     say(lists(verdict, verbose))
     more = " More: --verbose." if verdict.admissible is False and not verbose else ""
     corrected = corrections(verdict)
@@ -483,9 +499,11 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    said = listed(verdict.missing) if verdict.missing else ""
+    at_rest = verdict.state.name in ("rest", "pressed", "flow")
+    missing = [what for what in verdict.missing if not (at_rest and what in OPTIONS)]
+    said = listed(missing) if missing else ""
     if said and said not in verdict.sentence:
-        parts.append(f"Not known: {said}{given_by(verdict.missing, bool(verdict.states))}.")
+        parts.append(f"Not known: {said}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))
 
 

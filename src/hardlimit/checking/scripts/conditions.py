@@ -15,6 +15,7 @@ NOWHERE: Final = Quote("", 0, "")
 #: Fields of a stage, in words, and those whose value is empty if it is not known.
 FIELDS: Final = {
     **{"time_step": "the time step", "gravity": "gravity", "down": "gravity", "pressed": "pressure"},
+    "pressure": "pressure",
     **dict.fromkeys(("driven", "shear_rate", "bath"), "what drives the grains"),
 }
 LISTS: Final = ("pressed", "driven")
@@ -39,7 +40,9 @@ def plain(value: Any) -> Any:
 
 def settings_of(stage: Stage) -> Any:
     """What decides on the contacts of a stage."""
-    return plain(replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True, system=0))
+    return plain(
+        replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True, system=0, edges=())
+    )
 
 
 def differences(first: Stage, other: Stage) -> Iterator[Part]:

@@ -660,6 +660,8 @@ class State:
             numerical_damping=None,
             down=self.down(),
             pressed=pressed,
+            pressure=motion.pressure(self),
+            edges=tuple(self.edges.get(axis) for axis in motion.AXES),
             driven=driven,
             shear_rate=shear_rate,
             bath=bath,

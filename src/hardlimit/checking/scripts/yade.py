@@ -121,6 +121,14 @@ TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCo
 UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
 """
 PRESSING: Final = frozenset(PRESSING_NAMES.split())
+#: The stresses of those that prescribe one, and which of them are stresses by default: a bit for each.
+PRESSURES: Final = {
+    "PeriTriaxController": (("goal",), 0),
+    "Peri3dController": (("goal",), 0),
+    "TriaxialStressController": (("goal1", "goal2", "goal3"), 7),
+    "PeriIsoCompressor": (("stresses",), 0),
+    "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
+}
 #: Those that move walls or grains steadily.
 STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
 #: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
@@ -894,6 +902,7 @@ class Yade(Evaluator):
             numerical_damping=self.damping(integrators),
             down=self.down(integrators),
             pressed=pressed,
+            pressure=self.pressure(),
             driven=driven,
             shear_rate=shear_rate,
             system=self.system,
@@ -979,6 +988,25 @@ class Yade(Evaluator):
             pressed.append(Note("a cell that shrinks (velGrad)", None, quote))
         other = (Note("O.cell.velGrad", None, quote),) if any(rates[::4]) or len(sheared) > 1 else ()
         return tuple(pressed), other, sheared[0] if len(sheared) == 1 and not other else None
+
+    def pressure(self) -> float | None:
+        """The pressure that a controller prescribes; None if there is none or several, or if it is not known."""
+        engines = [engine for engine in self.used("") if engine.name in PRESSURES]
+        if len(engines) != 1:
+            return None
+        (names, mask), engine = PRESSURES[engines[0].name], engines[0]
+        values, mask = (
+            flat([engine.attributes.get(name) for name in names]),
+            engine.attributes.get("stressMask", mask),
+        )
+        if engine.name == "PeriIsoCompressor":
+            values, mask = values[-1:], 1
+        if not isinstance(mask, int):
+            return None
+        values = [value for k, value in enumerate(values[:3]) if mask >> k & 1]
+        if not values or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in values):
+            return None
+        return abs(math.fsum(values)) / len(values) or None
 
     def motion(self) -> Motion | None:
         """The fastest motion of walls and of fixed spheres; which of them move is not read."""
