@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from test_check import CLIPPED, FALL, HERTZ, SHAKEN, WALL, YADE_BOX, script
+from test_check import CLIPPED, FALL, HERTZ, LIGGGHTS, SHAKEN, WALL, YADE_BOX, script
 
 import hardlimit as hl
 from conftest import refusal
@@ -96,6 +96,28 @@ def test_lj_units_have_no_names():
     assert hl.check(lj, pressure=5.0).state.pressure == 5.0
 
 
+def test_disks_carry_forces_per_length():
+    """p = φ m/(π R²) g h in N/m, κ_p = k/p, δ/R = 2π/(φ z κ_p) times the share."""
+    disk = hl.Ball(1e-3, mass=1e-5)
+    verdict = hl.check(disk, law=LINEAR, height=0.1, dimension=2)
+    bed, packing = verdict.state, at_rest.PACKINGS[2, False]
+    pressure = packing.packing_fraction * 1e-5 / (math.pi * 1e-6) * 9.81 * 0.1
+    assert bed.pressure == pytest.approx(pressure) and " N/m (below 10 cm" in verdict.sentence
+    assert bed.stiffness_number == pytest.approx(1e4 / pressure)
+    overlap = packing.stress_share * 2.0 * math.pi / (packing.packing_fraction * packing.coordination)
+    assert bed.overlap == pytest.approx(overlap / bed.stiffness_number)
+    flat = script(CLIPPED, "dimension 2", FALL.replace("0 0 -1", "0 -1 0"), WALL.replace("zplane", "yplane"))
+    plane = state(flat.replace("boundary", "dimension 2\nboundary"), height=0.1)
+    assert plane.pressure == pytest.approx(0.83 * BEAD.mass / (math.pi * 1e-6) * 0.981)
+
+
+def test_a_servo_of_liggghts_presses_its_floor():
+    servo = "fix m all mesh/surface/stress/servo file a.stl type 1 com 0 0 0 ctrlPV force axis 0 0 1 target_val -9\n"
+    walls = "fix w all wall/gran model hertz mesh n_meshes 1 meshes m\nrun 1000"
+    pressed = state(LIGGGHTS.replace("run 1000", servo + walls))
+    assert pressed.name == "pressed" and pressed.pressure == pytest.approx(9.0)  # over 1 m²
+
+
 def test_the_weakest_of_two_sizes_decides():
     sizes = hl.check(script(
         CLIPPED.replace("* *", "* *"), FALL, WALL,
@@ -143,11 +165,15 @@ def test_pressures_of_yade(engine, pressure):
     assert pressed.name == "pressed" and pressed.pressure == pressure
 
 
-def test_the_height_of_the_box_is_a_bound():
-    verdict = hl.check(script(CLIPPED, FALL, WALL))
-    assert verdict.state.pressure_is_bound and verdict.state.pressure == pytest.approx(0.63 * 2500 * 9.81)
-    assert "at most 15.5 kPa (a box of 1 m of grains at φ = 0.63): κ_p ≥ 3.2e3" in verdict.sentence
-    assert not state(script(CLIPPED, FALL, WALL), height=1.0).pressure_is_bound
+def test_the_number_of_grains_gives_the_weight():
+    """N m g/A on a floor with periodic sides; between walls, which may leave less, the full box is a bound."""
+    bed = script(CLIPPED, FALL, WALL).replace("random 100", "random 1000000")
+    assert state(bed).pressure == pytest.approx(1e6 * BEAD.mass * 9.81)
+    assert "103 Pa (below 1000000 grains" in hl.check(bed).sentence and not state(bed).pressure_is_bound
+    walled = hl.check(bed.replace("boundary p p p", "boundary f f f"))
+    assert walled.state.pressure_is_bound and walled.state.pressure == pytest.approx(0.63 * 2500 * 9.81)
+    assert "at most 15.5 kPa (a box of 1 m of grains at φ = 0.63): κ_p ≥ 3.2e3" in walled.sentence
+    assert not state(bed, height=1.0).pressure_is_bound
 
 
 def test_a_dump_has_the_weight(tmp_path):
@@ -164,7 +190,19 @@ def test_a_dump_has_the_weight(tmp_path):
     )
     bed = state(script(CLIPPED, FALL, WALL), dump=path)
     assert bed.pressure == pytest.approx(16 * BEAD.mass * 9.81 / 16e-6, rel=1e-3)
-    assert bed.coordination == pytest.approx(1.5) and not bed.pressure_is_bound
+    assert bed.coordination == at_rest.PACKINGS[3, False].coordination and not bed.pressure_is_bound
+    wide = tmp_path / "dump.two"
+    wide.write_text(path.read_text().replace(" 1 ", " 2 ", 1))  # the first grain is of the floor
+    frozen = script(CLIPPED, FALL, WALL, "group floor type 2\nfix hold floor freeze").replace(
+        "create_box 1 box", "create_box 2 box"
+    )
+    held_up = state(
+        frozen.replace("random 100 7 box", "random 100 7 box\ncreate_atoms 2 random 1 3 box").replace(
+            "set type 1 ", "set type 1*2 "
+        ),
+        dump=wide,
+    )
+    assert held_up.pressure == pytest.approx(15 * BEAD.mass * 9.81 / 16e-6, rel=1e-3)
 
 
 def test_a_system_has_the_weight():
@@ -364,6 +402,7 @@ def test_the_overlap_in_a_settled_bed():
     among, between = (height > low) & (height < high), (at[:, 2] > low) & (at[:, 2] < high)
     volume, force = float(np.prod(edges)) * (high - low), 2e3 * overlap[among]
     stress = float((force * (2e-3 - overlap[among])).sum()) / (3.0 * volume)
+    assert hl.check(bed, law=law).state.coordination == pytest.approx(2.0 * len(i) / bed.n)
     packing = at_rest.Packing(between.sum() * BEAD.mass / 2500.0 / volume, 2.0 * among.sum() / between.sum())
     assert at_rest.mean_force(stress, 2e-3, packing, 3) == pytest.approx(force.mean(), rel=1e-3)
     # From the weight above alone; the share of the horizontal stresses scatters in so small a bed.

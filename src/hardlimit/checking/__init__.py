@@ -33,6 +33,10 @@ def check(
     restitution_error: float | None = None,
     pressure: float | None = None,
     height: float | None = None,
+    version: str | None = None,
+    radius: float | None = None,
+    density: float | None = None,
+    mass: float | None = None,
 ) -> Verdict:
     """Check what the contacts of a simulation really do, and whether an event-driven simulation may replace it.
 
@@ -56,7 +60,7 @@ def check(
     law : Law, optional
         Contact law of a system or a ball.
     time_step : float [s], optional
-        Time step under which a ball or a system is simulated.
+        Time step under which a ball or a system is simulated; in place of that of a script.
     dimension : int, optional
         For a ball: 3 for spheres, the default, or 2 for disks.
     power : float [W], optional
@@ -72,6 +76,14 @@ def check(
         per length [N/m]. It comes before what the script says.
     height : float [m], optional
         Height of a bed that rests under gravity, instead of ``pressure``: the number is that at its bottom.
+    version : str, optional
+        Version of the script's code, such as "22Jul2025", "3.8.0" or "2023.02a"; it comes before that of a log.
+    radius : float [m], optional
+        Radius of the grains of whose size the script says nothing; as in the script if it is in ``lj`` units.
+    density : float [kg/m³], optional
+        Density of the grains of whose mass the script says nothing.
+    mass : float [kg], optional
+        Their mass, instead of ``density``.
 
     Returns
     -------
@@ -102,8 +114,9 @@ def check(
     >>> bead = hl.Ball(1e-3, density=2500.0)
     >>> soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
     >>> print(hl.check(bead, law=soft, speed=0.3, packing_fraction=0.3))
-    No: event-driven cools 9.6 ± 0.5 % too fast at t_c ν = 0.19, δ/d = 0.01 (grains
-    1–1); 1 % takes a stiffness of 1.1e5 N/m instead of 1e3.
+    May an event-driven simulation replace this? No: event-driven cools 9.6 ± 0.5 %
+    too fast at t_c ν = 0.19, δ/d = 0.01 (grains 1–1); 1 % takes a stiffness of
+    1.1e5 N/m instead of 1e3.
     """
     from .checking import checked
 
@@ -122,6 +135,10 @@ def check(
         restitution_error=restitution_error,
         pressure=pressure,
         height=height,
+        version=version,
+        radius=radius,
+        density=density,
+        mass=mass,
     )
 
 

@@ -17,6 +17,8 @@ from .result import Finding
 OPTIONS = {
     "speeds": "--speed",
     "packing": "--packing-fraction",
+    "sizes": "--radius",
+    "masses": "--density",
 }
 
 

@@ -19,17 +19,15 @@ from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
-from ..support.units import SYSTEMS
-from . import answer, at_rest, cases, corrections, drive, dumps, friction_words, loads, state_words
+from . import answer, at_rest, cases, corrections, drive, dumps, friction_words, loads, state_words, stated
 from .at_rest import GrainState
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
-from .result import CheckedStage, Finding, Verdict
+from .result import CheckedStage, Finding, Inferred, Verdict
 from .scripts import Description, Grains, Note, Quote, Stage
 from .scripts import read as read_script
+from .supplied import NOTHING, SCALES, Supplied, completed, supplied
 
-#: Units of mass, length and time in SI; ``lj`` stays as it is.
-SCALES: Final = {**SYSTEMS, "lj": (1.0, 1.0, 1.0)}
 NO_RUN: Final = Stage(
     quote=Quote("", 0, ""),
     time_step=None,
@@ -74,6 +72,7 @@ class Options:
     drive: drive.Drive | None = None
     restitution_error: float = DEFAULT_ERROR
     load: loads.LoadOptions = NO_LOAD
+    given: Supplied = NOTHING
 
 
 def checked(
@@ -91,6 +90,10 @@ def checked(
     restitution_error: Any,
     pressure: Any,
     height: Any,
+    version: Any,
+    radius: Any,
+    density: Any,
+    mass: Any,
 ) -> Verdict:
     """As :func:`hardlimit.check`."""
     if not isinstance(source, str | Path | ParticleSystem | Ball):
@@ -108,19 +111,21 @@ def checked(
         drive.checked_drive(power, shear_rate, speeds),
         accepted_error(restitution_error),
         loads.checked_load(pressure, height),
+        supplied(radius=radius, density=density, mass=mass, time_step=time_step),
     )
     if isinstance(source, str | Path):
-        for name, value in (("law", law), ("time_step", time_step), ("dimension", dimension)):
+        for name, value in (("law", law), ("dimension", dimension)):
             if value is not None:
                 raise ValueError(
                     f"{name}: got {validation.shown(value)}, must be left out with a script, which sets it"
                 )
         frames = _frames(options)
         seen = dumps.largest_type(frames)
-        return _of_script(
-            read_script(source, code=code, variables=options.variables, types_seen=seen), options, frames
-        )
-    for name, value in (("code", code), ("variables", dict(variables) or None)):
+        script = read_script(source, code=code, version=version, variables=options.variables, types_seen=seen)
+        return _of_script(script, options, frames)
+    alone = {"code": code, "version": version, "variables": dict(variables) or None}
+    alone |= {"radius": radius, "density": density, "mass": mass}
+    for name, value in alone.items():
         if value is not None:
             raise ValueError(f"{name}: got {validation.shown(value)}, must be left out without a script")
     return _of_bodies(source, law, options, time_step, dimension)
@@ -246,6 +251,7 @@ class System:
     speeds: tuple[float, ...]
     examined: Sequence[tuple[Case, CheckedContact]]
     question: answer.Question
+    inferred: tuple[Inferred, ...] = ()  #: what follows from the script, in its units
 
     @property
     def rows(self) -> list[CheckedContact]:
@@ -253,9 +259,18 @@ class System:
         return [_in_si(case, row, self.last.units) for case, row in self.examined]
 
     @property
+    def inferred_in_si(self) -> Iterator[Inferred]:
+        """What follows from the script, in SI units."""
+        _, length, time = SCALES[self.last.units]
+        for number in self.inferred:
+            yield number._replace(value=number.value * length / time) if number.what == "speed" else number
+
+    @property
     def at(self) -> str:
         """The chosen speed of the largest numbers; empty if speeds are given, or nothing depends on them."""
+        estimated = any(number.what == "speed" for number in self.inferred)
         known = self.speeds or self.options.drive or all(row.speed is None for _, row in self.examined)
+        known = known or estimated
         return "" if known else " at 1 m/s"
 
     def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
@@ -266,7 +281,8 @@ class System:
     def remarks(self, several: bool) -> Iterator[str]:
         """Remarks on the contacts, which name their units if the script has several."""
         plain = self.last.units == "lj"
-        for note in _remarks(self.examined, self.options, self.gas, self.speeds, self.at, plain):
+        speeds = self.speeds or tuple(number.value for number in self.inferred if number.what == "speed")
+        for note in _remarks(self.examined, self.options, self.gas, speeds, self.at, plain):
             yield f"In {self.last.units} units: {note}" if several else note
 
     def corrected(self, code: str, several: bool) -> Iterator[str]:
@@ -297,13 +313,17 @@ def _systems(
     states: Sequence[dumps.State],
 ) -> Iterator[System]:
     """The systems of a script. A dump is one of the last."""
-    for kind, last in dict(zip(kinds, stages, strict=True)).items():
+    for kind in dict.fromkeys(kinds):
         own = [case for case in contacts if kinds[case.stage - 1] == kind]
-        yield _system(last, own, options, states if kind == kinds[-1] else ())
+        runs = [stage for stage, other in zip(stages, kinds, strict=True) if other == kind]
+        yield _system(runs, own, options, states if kind == kinds[-1] else ())
 
 
-def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Sequence[dumps.State]) -> System:
-    """The system that ends with a run."""
+def _system(
+    runs: Sequence[Stage], contacts: Sequence[Case], options: Options, states: Sequence[dumps.State]
+) -> System:
+    """The system of some runs."""
+    last = runs[-1]
     scales = _, length, time = SCALES[last.units]
     plain = last.units == "lj"
     purpose = options.drive or drive.of_stage(last, *scales)
@@ -318,8 +338,13 @@ def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Seq
     )
     gas, speeds = _surroundings(options, states, last.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
-    chosen = () if plain or speeds or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
-    examined = _examined(contacts, gas, speeds, driven, purpose, chosen)
+    packing = stated.packing_fraction(last) if gas.packing_fraction is None else None
+    if packing is not None:
+        gas = replace(gas, packing_fraction=packing.value)
+    speed = None if speeds or driven else stated.speed(runs)
+    at = speeds if speed is None else (speed.value,)
+    chosen = () if plain or at or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
+    examined = _examined(contacts, gas, at, driven, purpose, chosen)
     support = drive.support(last)
     option = "" if plain else drive.option_of(support, length, time)
     question = answer.Question(gas.quantity, bool(states), drive.words_of(last, support), option)
@@ -328,9 +353,10 @@ def _system(last: Stage, contacts: Sequence[Case], options: Options, states: Seq
         supply=supply,
         options=options,
         gas=gas,
-        speeds=speeds,
+        speeds=at if speed is not None and speed.decides else speeds,
         examined=examined,
         question=question,
+        inferred=tuple(number for number in (packing, speed) if number is not None),
     )
 
 
@@ -364,7 +390,7 @@ def _refuse_empty(script: Description) -> None:
 
 def _of_script(script: Description, options: Options, frames: Sequence[dumps.Frame] = ()) -> Verdict:
     _refuse_empty(script)
-    script = _with_sizes(script, frames)
+    script = completed(_with_sizes(script, frames), options.given)
     stages = script.stages or (NO_RUN,)
     kinds, last = _kinds(stages), stages[-1]
     contacts, remarks = cases.of_script(script, kinds[: len(script.stages)])
@@ -417,6 +443,7 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         restitution_error=options.restitution_error,
         speeds_chosen=chosen,
         state=grains,
+        inferred=tuple(dict.fromkeys(number for system in systems for number in system.inferred_in_si)),
     )
 
 
@@ -791,15 +818,16 @@ def _held_in_script(
     stage = final.last
     examined = {id(case): case for case, _ in final.examined}
     newest = max((case.stage for case in examined.values()), default=0)
-    moving = {name: value for name, value in _densities(stage).items() if not stage.grains[name].frozen}
+    fixed = [name for name, kind in stage.grains.items() if kind.frozen]
+    bed = None
+    if frames and stage.down:
+        bed = dumps.bed(frames[-1], _radii(stage), _densities(stage), stage.down, stage.dimension, fixed)
     around = loads.Around(
         cases=[case for case in examined.values() if case.stage == newest],
         dimension=stage.dimension,
         units=stage.units,
         state=states[-1] if states else None,
-        bed=dumps.bed(frames[-1], _radii(stage), moving, stage.down, stage.dimension)
-        if frames and stage.down
-        else None,
+        bed=bed,
         lasting=_contacts_last([row for _, row in final.examined], states),
         barostat=barostat,
     )
@@ -842,18 +870,18 @@ def _words_of_state(state: GrainState, units: str, dimension: int = 3) -> str:
 
 def _of_system(system: ParticleSystem, law: Law, options: Options, step: float | None) -> Verdict:
     walls = "wall" in system.boundary
-    temperature = system.granular_temperature
+    temperature, support = system.granular_temperature, drive.support_of_system(system)
+    overlap, coordination, several = loads.contacts_of_system(system) if support.rests else (None, None, None)
     state = dumps.State(
         step=0,
         grains=system.n,
         packing_fraction=system.packing_fraction,
         temperature=temperature,
         mean_diameter=2.0 * float(system.radius.mean()),
-        largest_overlap=None,
-        coordination=None,
-        in_several_contacts=None,
+        largest_overlap=overlap,
+        coordination=coordination,
+        in_several_contacts=several,
     )
-    support = drive.support_of_system(system)
     resting = [Finding(_rest(support))] * support.rests
     in_system = drive.of_system(system)
     if options.drive is None and not options.speeds and not system._walls_move:
@@ -911,7 +939,7 @@ def _of_law(
     around = loads.Around(
         cases=contacts,
         dimension=dimension,
-        state=dumped[-1] if dumped else None,
+        state=next(reversed(dumped or states), None),
         bed=bed,
         lasting=_contacts_last(rows, dumped),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -175,7 +175,7 @@ def state(
             # Along an axis with ends, the volume is that between the outermost grains.
             reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
             filled = np.where(periodic, edges, np.minimum(reach, edges))
-            overlap, coordination, several = _contacts(at, radius, edges, periodic)
+            overlap, coordination, several = contacts(at, radius, edges, periodic)
         packing = float(volume.sum() / np.prod(filled))
     names = ("vx", "vy", "vz")[:dimension]
     if all(name in frame.columns for name in names) and frame.count > 1:
@@ -202,21 +202,23 @@ def bed(
     densities: Mapping[str, float],
     down: Sequence[float],
     dimension: int,
+    fixed: Collection[str] = (),
 ) -> tuple[float, float] | None:
     """Height of the grains along gravity, and their mass over the area below them; None if it is not known.
 
-    ``down``: direction of gravity, which must be along an axis.
+    ``down``: direction of gravity, which must be along an axis. ``fixed``: types that do not weigh on others.
     """
     axes = [k for k in range(dimension) if abs(down[k]) > 1.0 - 1e-9]
     radius, at = _radius(frame, radii), _positions(frame, dimension)
-    if len(axes) != 1 or radius is None or at is None:
+    kinds = np.array(frame.types or [""] * frame.count)
+    moving = ~np.isin(kinds, list(fixed))
+    if len(axes) != 1 or radius is None or at is None or not moving.any():
         return None
     mass = frame.columns.get("mass")
     if mass is None:
-        ball = 4.0 / 3.0 * math.pi * radius**3
-        kinds = frame.types or [""] * frame.count
         density = frame.columns.get("density", np.array([densities.get(name, 0.0) for name in kinds]))
-        mass = ball * density
+        mass = 4.0 / 3.0 * math.pi * radius**3 * density
+    mass, radius, at = mass[moving], radius[moving], at[moving]
     edges = (frame.high - frame.low)[:dimension]
     reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
     filled = np.where(frame.periodic[:dimension], edges, np.minimum(reach, edges))
@@ -295,7 +297,7 @@ def _positions(frame: Frame, dimension: int) -> Floats | None:
     return None
 
 
-def _contacts(
+def contacts(
     at: Floats, radius: Floats, edges: Floats, periodic: NDArray[np.bool_]
 ) -> tuple[float, float, float]:
     """Largest overlap over the smaller radius, mean number of contacts, share of grains with several."""

@@ -13,16 +13,18 @@ from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
-from ..support.units import SYSTEMS
 from . import dumps
 from .at_rest import PACKINGS, Load, Packing, weight
 from .contacts import Case
 from .drive import Support
 from .scripts import Stage
+from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
+#: Fewest contacts of a grain in what is taken as a packing.
+LEAST: Final = 2.0
 #: Cosine of the angle up to which gravity is along an axis.
 ALONG: Final = 1.0 - 1e-9
 
@@ -73,16 +75,17 @@ class Around(NamedTuple):
         expected = PACKINGS[self.dimension, any(case.friction.coefficient != 0.0 for case in pairs)]
         low, high = BEDS[self.dimension]
         state = self.state
-        if state is None or state.packing_fraction is None or not state.coordination:
+        contacts = 0.0 if state is None or state.coordination is None else state.coordination
+        if state is None or state.packing_fraction is None or contacts < LEAST:
             return expected
         bulk = None if self.bed is None else expected.packing_fraction * expected.coordination
-        packing = expected._replace(coordination=state.coordination, bulk=bulk)
+        packing = expected._replace(coordination=contacts, bulk=bulk)
         in_range = low <= state.packing_fraction <= high
         return packing._replace(packing_fraction=state.packing_fraction) if in_range else packing
 
     def length(self, value: float) -> str:
         """A length in words."""
-        metre = SYSTEMS.get(self.units, (1.0, 1.0, 1.0))[1]
+        metre = SCALES[self.units][1]
         return digits(value, 3) if self.units == "lj" else length(float(f"{value * metre:.3g}"))
 
 
@@ -120,8 +123,12 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.height is None and around.bed is not None:
         top, mass = around.bed
         return {"pressure": mass * gravity, "origin": f"below {around.length(top)} of grains", "weight": True}
+    density, phi, contents = _density(around), around.packing.packing_fraction, stage.contents
+    if options.height is None and density is not None and contents.filled and stage.floor:
+        count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
+        pressure = weight(contents.filled / stage.floor, density, gravity)
+        return {"pressure": pressure, "origin": f"below {count} on the floor of the box", "weight": True}
     height = _height(stage) if options.height is None else options.height
-    density, phi = _density(around), around.packing.packing_fraction
     if height is None or density is None:
         return {}
     bound = options.height is None
@@ -157,3 +164,9 @@ def bed_of_system(system: ParticleSystem) -> tuple[float, float] | None:
     at, radius = system.positions[:, axes[0]], system.radius
     area = float(np.prod(np.delete(system.box, axes[0])))
     return float((at + radius).max() - (at - radius).min()), float(system.mass.sum()) / area
+
+
+def contacts_of_system(system: ParticleSystem) -> tuple[float, float, float]:
+    """As :func:`dumps.contacts`, between the particles of a system; those with walls are left out."""
+    periodic = np.array([side != "wall" for side in system.boundary])
+    return dumps.contacts(system.positions, system.radius, system.box, periodic)

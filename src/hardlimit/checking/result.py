@@ -19,6 +19,8 @@ from .dumps import State
 if TYPE_CHECKING:
     import xarray as xr
 
+#: The question that a verdict answers.
+QUESTION = "May an event-driven simulation replace this?"
 #: Fields of a contact that are numbers, with their units.
 NUMBERS = {
     "radius": "m",
@@ -73,6 +75,20 @@ class Finding(NamedTuple):
         return {"what": self.what, "types": typed(self.types), "where": self.where or None}
 
 
+class Inferred(NamedTuple):
+    """A number that follows from what a script says; returned by :func:`hardlimit.check`."""
+
+    what: str  #: "speed" or "packing fraction"
+    value: float  #: in SI units; of a script in ``lj`` units, as there
+    unit: str
+    source: str  #: where it comes from, in words
+    decides: bool  #: whether the answer depends on it; if not, it is an estimate for the numbers of contacts
+
+    def __str__(self) -> str:
+        number = f"{digits(self.value, 3)} {self.unit}".rstrip()
+        return f"{self.what[0].upper()}{self.what[1:]} {number}: {self.source}."
+
+
 class CheckedStage(NamedTuple):
     """A run of a script; returned by :func:`hardlimit.check`."""
 
@@ -95,7 +111,7 @@ class Verdict:
     admissible: bool | None  #: None if it cannot be said
     sentence: str  #: the answer, with the number that decides
     code: str | None  #: None without a script
-    version: str | None  #: as a log states it
+    version: str | None  #: as it is given, or as a log states it
     units: str  #: of the last run
     units_given: bool  #: False if they are the code's default
     time_step: float | None  #: of the last run [s]
@@ -115,6 +131,8 @@ class Verdict:
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
     speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
     state: GrainState = GAS  #: how grains are held together, at the last run
+    question: str = QUESTION  #: that the sentence answers
+    inferred: tuple[Inferred, ...] = ()  #: what follows from the script, and is not given beside it
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -189,12 +207,14 @@ class Verdict:
             "restitution_error": self.restitution_error,
             "speeds_chosen": self.speeds_chosen,
             "state": self.state.to_dict(),
+            "inferred": [number._asdict() for number in self.inferred],
             "admissible": self.admissible,
+            "question": self.question,
             "sentence": self.sentence,
         }
 
     def __str__(self) -> str:
-        return self.sentence
+        return f"{self.question} {self.sentence}"
 
     def __repr__(self) -> str:
         return f"<Verdict: {self.sentence}>"

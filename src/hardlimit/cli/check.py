@@ -12,7 +12,7 @@ import click
 from ..boxes.error_law import MEASURED_TC_NU
 from ..checking import check as checked
 from ..checking import state_words
-from ..checking.answer import OPTIONS, Question, given_by, judged, stiffness
+from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
 from ..checking.friction_words import but_for_steps, words
@@ -34,6 +34,8 @@ Example:
   hardlimit check log.lammps --dump dump.box.gz"""
 
 CODES = ("lammps", "liggghts", "yade")
+#: Options whose names are not those of their arguments.
+OPTIONS = {"variables": "--var"}
 #: Largest number of rows without ``--verbose``.
 MAX_ROWS = 8
 #: Most findings in a list, and most characters of each, without ``--verbose``.
@@ -103,12 +105,17 @@ script_options = options(
     click.option(
         "--code", type=click.Choice(CODES), help="Code of the script.  [default: found in the script]"
     ),
+    click.option(
+        "--version",
+        metavar="VERSION",
+        help="Version of this code, such as 22Jul2025.  [default: that of a log]",
+    ),
 )
 number_options = options(
-    quantity_option("--radius", unit="m", help="Radius of the grains [m], without a script."),
-    quantity_option("--density", unit="kg/m3", help="Density of the grains [kg/m³]."),
-    quantity_option("--mass", unit="kg", help="Mass of a grain [kg] instead of the density."),
-    quantity_option("--time-step", unit="s", help="Time step [s] to check."),
+    quantity_option("--radius", unit="m", help="Radius [m] of the grains, if the script has none."),
+    quantity_option("--density", unit="kg/m3", help="Density [kg/m³] of the grains, if the script has none."),
+    quantity_option("--mass", unit="kg", help="Mass [kg] of a grain instead of the density."),
+    quantity_option("--time-step", unit="s", help="Time step [s] to check, instead of the script's."),
     click.option("--dimension", type=click.Choice(["2", "3"]), help="Disks or spheres.  [default: 3]"),
 )
 
@@ -136,6 +143,7 @@ def check(
     restitution_error: float | None,
     variables: dict[str, str],
     code: str | None,
+    version: str | None,
     **numbers: Any,
 ) -> None:
     """Check what a script's contacts do, and if events may replace it.
@@ -151,13 +159,15 @@ def check(
     if pressure is not None and height is not None:
         raise ValueError("--pressure | --height: must be at most one of them")
     conditions |= {"pressure": pressure, "height": height}
+    scripted: dict[str, Any] = {"code": code, "version": version, "variables": variables}
     if file is None:
-        verdict = from_numbers(numbers, variables, code, conditions)
+        verdict = from_numbers(numbers, scripted, conditions)
     else:
+        known = {name: numbers.pop(name) for name in ("radius", "density", "mass", "time_step")}
         for name, value in numbers.items():
             if value is not None:
                 raise ValueError(f"{spelled(name)}: got {value}, must be left out with a file")
-        verdict = checked(Path(file), code=code, variables=variables, **conditions)
+        verdict = checked(Path(file), **scripted, **known, **conditions)
     if as_json:
         print_json(verdict.to_dict())
     else:
@@ -166,16 +176,14 @@ def check(
         click.get_current_context().exit(FAILURE)
 
 
-def from_numbers(
-    numbers: dict[str, Any], variables: dict[str, str], code: str | None, conditions: dict[str, Any]
-) -> Verdict:
+def from_numbers(numbers: dict[str, Any], scripted: dict[str, Any], conditions: dict[str, Any]) -> Verdict:
     """The check of equal grains under one of our laws."""
     name, parameters = take_law(numbers)
     if numbers["radius"] is None:
         raise ValueError("give a file, or --radius with --density, a stiffness and --restitution")
-    for option, value in (("--code", code), ("--var", variables or None)):
-        if value is not None:
-            raise ValueError(f"{option}: must be left out without a file")
+    for argument, value in scripted.items():
+        if value not in (None, {}):
+            raise ValueError(f"{OPTIONS.get(argument, spelled(argument))}: must be left out without a file")
     ball = Ball(numbers["radius"], numbers["density"], numbers["mass"])
     law = files.changed_law(None, name, parameters)
     dimension = None if numbers["dimension"] is None else int(numbers["dimension"])
@@ -214,8 +222,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
     say_first(friction_lines(groups, verdict), MAX_ROWS, "contacts with friction", verbose)
     say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings", verbose)
-    if verdict.remarks:
-        say(" ".join(verdict.remarks))
+    if remarks := [*map(str, verdict.inferred), *verdict.remarks]:
+        say(" ".join(remarks))
     if verbose:
         details(verdict)
         for line in state_words.details(verdict):
@@ -225,7 +233,7 @@ def report(verdict: Verdict, verbose: bool) -> None:
     corrected = corrections(verdict)
     if corrected:  # a quoted statement stands alone
         corrected = (" " if verdict.sentence.endswith(".") or more else "\n") + corrected
-    say(f"{verdict.sentence}{more}{corrected}", style="bold")
+    say(f"{verdict}{more}{corrected}", style="bold")
     for line in verdict.corrected:
         click.echo(f"  {line}")
 
@@ -500,7 +508,7 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
     at_rest = verdict.state.name in ("rest", "pressed", "flow")
-    missing = [what for what in verdict.missing if not (at_rest and what in OPTIONS)]
+    missing = [what for what in verdict.missing if not (at_rest and what in ("speeds", "packing"))]
     said = listed(missing) if missing else ""
     if said and said not in verdict.sentence:
         parts.append(f"Not known: {said}{given_by(missing, bool(verdict.states))}.")

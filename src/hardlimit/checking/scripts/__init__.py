@@ -11,7 +11,7 @@ from typing import Final
 
 from ...support import validation
 from .commands import Commands, given, text_of
-from .description import ContactSettings, Description, Grains, Note, Quote, Setting, Settings, Stage
+from .description import ContactSettings, Description, Grains, Note, Quote, Setting, Settings, Stage, date
 from .statements import quoted
 
 __all__ = [
@@ -30,6 +30,8 @@ __all__ = [
 
 
 CODES: Final = ("lammps", "liggghts", "yade")
+#: An example of a version of each code.
+VERSIONS: Final = {"lammps": "22Jul2025", "liggghts": "3.8.0", "yade": "2023.02a"}
 #: Longest text that may be a path.
 LONGEST_PATH: Final = 1000
 #: Most include files that tell the code.
@@ -52,13 +54,20 @@ SIGNS: Final = {
 
 
 def read(
-    source: str | Path, *, code: str | None = None, variables: Mapping[str, str] = {}, types_seen: int = 0
+    source: str | Path,
+    *,
+    code: str | None = None,
+    version: str | None = None,
+    variables: Mapping[str, str] = {},
+    types_seen: int = 0,
 ) -> Description:
     """Read a script or a log: the path of a file, or the text itself. The other arguments are those of `read_text`."""
     text, file, folder = _opened(source)
     if code is not None:
         validation.one_of("code", code, CODES)
-    return read_text(text, file, folder, code=code, variables=variables, types_seen=types_seen)
+    return read_text(
+        text, file, folder, code=code, version=version, variables=variables, types_seen=types_seen
+    )
 
 
 def read_text(
@@ -67,6 +76,7 @@ def read_text(
     folder: Path | None = None,
     *,
     code: str | None = None,
+    version: str | None = None,
     variables: Mapping[str, str] = {},
     types_seen: int = 0,
     part: bool = False,
@@ -82,6 +92,8 @@ def read_text(
         Folder of include files.
     code : str, optional
         "lammps", "liggghts" or "yade"; found in the text by default.
+    version : str, optional
+        Version of the code, which comes before that of a log.
     variables : mapping of str to str
         Values of variables, as given on the code's command line.
     types_seen : int
@@ -92,7 +104,7 @@ def read_text(
     Raises
     ------
     ValueError
-        If the script has no granular contacts or cannot be resolved.
+        If the script has no granular contacts or cannot be resolved, or if the version is none of the code.
     """
     from . import logs
     from .lammps import Lammps
@@ -100,13 +112,14 @@ def read_text(
 
     log = logs.header(text)
     name = code or (log[0] if log else "") or _code_of(text, folder)
+    stated = None if version is None else _version(version, name)
     if name == "yade":
         from . import yade
 
-        return yade.read(text, file, variables, part)
+        return replace(yade.read(text, file, variables, part), version=stated)
     kind = Liggghts if name == "liggghts" else Lammps
     known = given(variables)
-    state = kind(known, folder, (log[1] if log else "") or None, name, types_seen, part)
+    state = kind(known, folder, stated or (log[1] if log else "") or None, name, types_seen, part)
     if log:
         read = state.read(logs.commands(text, file, known, kind))
         late = [quoted(file, 1, "units: the log begins after them")] * (
@@ -131,6 +144,15 @@ def _opened(source: str | Path) -> tuple[str, str, Path | None]:
     if not os.path.exists(path):
         raise validation.unreadable(path, FileNotFoundError())
     raise ValueError(f"{path}: cannot be read: must be a text file of at most 200 MB")
+
+
+def _version(text: object, code: str) -> str:
+    """A version of a code in the form in which its log states it: a date of LAMMPS may lack its blanks."""
+    spaced = re.sub(r"(\d{1,2})[ _-]?([A-Z][a-z]{2})[ _-]?(\d{4})", r"\1 \2 \3", str(text))
+    known = date(spaced)
+    if known is None or (len(known) == 3 and known[0] > 1000) != (code == "lammps"):
+        raise ValueError(f"version: got {validation.shown(text)}, must be one such as {VERSIONS[code]}")
+    return re.sub(r"[ _-]*[Uu]pdate[ _-]?(\d+)", r" - Update \1", spaced)
 
 
 def _code_of(text: str, folder: Path | None) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
 
-from .description import Grains, Quote, Setting, Stage
+from .description import NOTHING, Grains, Quote, Setting, Stage
 from .statements import Statement
 
 #: A part of a stage, such as ("contacts", ("1", "1"), None).
@@ -40,9 +40,16 @@ def plain(value: Any) -> Any:
 
 def settings_of(stage: Stage) -> Any:
     """What decides on the contacts of a stage."""
-    return plain(
-        replace(stage, quote=NOWHERE, steps=None, time_step_given=True, units_given=True, system=0, edges=())
-    )
+    same: dict[str, Any] = {
+        "quote": NOWHERE,
+        "steps": None,
+        "time_step_given": True,
+        "units_given": True,
+        "system": 0,
+        "edges": (),
+        "floor": None,
+    }
+    return plain(replace(stage, **same, contents=NOTHING))
 
 
 def differences(first: Stage, other: Stage) -> Iterator[Part]:

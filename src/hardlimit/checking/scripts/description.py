@@ -57,11 +57,35 @@ class Grains:
 
 
 @dataclass(frozen=True)
+class Speed:
+    """A speed of impacts that a script states."""
+
+    value: float
+    source: str  #: where it comes from, in words; ``{height}`` stands for the height
+    height: float | None = None  #: of a fall
+    decides: bool = False  #: whether it is that of a gas, and no estimate
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a script says of the grains in its box. None: it does not."""
+
+    count: float | None = None  #: number of grains
+    filled: float | None = None  #: their volume, in two dimensions their area
+    volume: float | None = None  #: of the box
+    speeds: tuple[Speed, ...] = ()
+
+
+NOTHING = Contents()
+
+
+@dataclass(frozen=True)
 class Motion:
     """How a wall, or grains that follow no force, move. None stands for what is not known."""
 
     amplitude: Direction | None = None  #: of an oscillation along each axis
     frequency: float | None = None  #: angular, of this oscillation
+    velocity: float | None = None  #: of a steady motion
 
 
 @dataclass(frozen=True)
@@ -113,6 +137,9 @@ class Stage:
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
     pressure: float | None = None  #: that is prescribed: the mean over the axes
     edges: tuple[float | None, ...] = (None, None, None)  #: of the box
+    floor: float | None = (
+        None  #: area across gravity of a box that is periodic there; in two dimensions its edge
+    )
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear
     bath: tuple[float, float] | None = (
@@ -122,6 +149,7 @@ class Stage:
     units_given: bool = True  #: False for the code's default
     dimension: int = 3
     system: int = 0  #: number of the system that runs; ``clear`` begins another one
+    contents: Contents = NOTHING
 
 
 @dataclass(frozen=True)
@@ -129,7 +157,7 @@ class Description:
     """What a script says: the state of its settings at each run, and what else affects its grains."""
 
     code: str
-    version: str | None  #: only a log states it
+    version: str | None  #: as it is given, or as a log states it
     stages: tuple[Stage, ...]
     ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
     invalidates: tuple[Note, ...] = field(

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Final
 
 from ...convert.tangential import Tangential
-from . import granular_words, lammps_friction, motion
+from . import census, filling, granular_words, lammps_friction, motion
 from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
@@ -348,6 +348,7 @@ class Lammps(State):
             raise refused(statement, "have a type")
         if fix.style == "deposit":
             self.population.add(kind, CREATED)
+            filling.poured(self, fix, kind, None, None)
             return
         radii, densities = (0.5, 0.5), (1.0, 1.0)
         for k, word in enumerate(words):
@@ -356,6 +357,19 @@ class Lammps(State):
             elif word == "dens":
                 densities = self.limits(statement, words[k + 1 : k + 3])
         self.population.add(kind, Batch(radii, densities))
+        count = self.coefficient((*words, "")[0])
+        filling.poured(self, fix, kind, count, self.means(statement, words))
+
+    def means(self, statement: Statement, words: Sequence[str]) -> tuple[float, float] | None:
+        """Means of r² and r³ of the diameters of ``fix pour``, which are uniform in a range; 1 by default."""
+        if "diam" not in words:
+            return census.moments((0.5, 0.5))
+        style, *rest = words[words.index("diam") + 1 :]
+        if style != "poly":
+            return census.moments(self.diameters(statement, [style, *rest]))
+        numbers = [self.number(statement, word) for word in rest[1 : 1 + 2 * int(rest[0])]]
+        pairs = [(0.5 * size, share) for size, share in zip(numbers[::2], numbers[1::2], strict=False)]
+        return census.moments((0.5, 0.5), pairs)
 
     def diameters(self, statement: Statement, words: Sequence[str]) -> tuple[float, float]:
         """Radii of ``one D``, ``range D D`` or ``poly N D P D P …``."""

@@ -202,9 +202,11 @@ def in_versions(
         where = f"tangential {force.model}"
     text = difference.what.format(where)
     if holds:
-        return Versions(other, ((difference.others, force),), f"{text}; the log is of {version}")
+        return Versions(other, ((difference.others, force),), f"{text}; the version is {version}")
     if version is None:
-        return Versions(force, ((difference.when, other),), f"{text}; only a log states the version")
+        return Versions(
+            force, ((difference.when, other),), f"{text}; give the version (--version), or the log"
+        )
     both = ((difference.when, other), (difference.others, force))
     return Versions(None, both, f"{text}; whether {version} does is not known")
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
-from . import granular_words, liggghts_friction, motion
+from . import filling, granular_words, liggghts_friction, motion
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
@@ -214,6 +214,7 @@ class Liggghts(State):
         diameters, densities = limits.values()
         radii = None if diameters is None else (0.5 * diameters[0], 0.5 * diameters[1])
         self.population.add(kind, Batch(radii, densities))
+        filling.poured(self, fix, kind, self.coefficient(fix.words[0]), filling.alike(radii))
 
     def random(self, fix: Fix, names: Sequence[str]) -> dict[str, Range | None]:
         """Smallest and largest value after each of these words; None for a distribution without them, quoted."""
@@ -412,6 +413,9 @@ class Liggghts(State):
         for template in templates:
             if template is not None:
                 self.population.add(*template)
+        known = [template for template in templates if template is not None]
+        sizes = {template.radii for _, template in known}
+        filling.inserted(self, fix, known[0][0], sizes.pop() if len(sizes) == 1 else None)
 
     def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
         """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""

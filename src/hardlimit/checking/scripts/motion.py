@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from .description import Direction, Motion, Note
@@ -97,6 +98,15 @@ def _pressures(state: State, fix: Fix) -> list[float | None]:
         words[k + place] for k, word in enumerate(words[:-place]) if word in ("iso", "aniso", "tri", *AXES)
     ]
     return [state.coefficient(word) for word in ends]
+
+
+def floor(state: State) -> float | None:
+    """Area of the box across gravity if it is periodic there: walls may leave less."""
+    down = state.down()
+    across = [k for k in range(state.dimension) if down is None or abs(down[k]) < 1e-9]
+    sides = [state.edges.get(AXES[k]) for k in across if state.filling.periodic(k)]
+    known = [side for side in sides if side is not None]
+    return math.prod(known) if len(known) == len(across) == state.dimension - 1 else None
 
 
 def measured(state: State, words: Sequence[str]) -> bool:
@@ -214,8 +224,16 @@ def of_wall(state: State, rest: Sequence[str], ends: int, rubs: bool) -> Motion 
     if any(state.coefficient(word) is None for word in places):
         axis = rest[0][:1]
         return by_variables(state, [places[0] if name == axis else "NULL" for name in AXES])
-    slides = "shear" in options or any("rotate" in words for words in regions)
-    return STEADY if slides and rubs else None
+    if "shear" in options and rubs:
+        return steady(state, options[options.index("shear") + 2 :][:1])
+    return STEADY if rubs and any("rotate" in words for words in regions) else None
+
+
+def steady(state: State, words: Sequence[str]) -> Motion:
+    """A steady motion with the components of its velocity, which need not be known."""
+    parts = [0.0 if word == "NULL" else state.coefficient(word) for word in words]
+    known = [part for part in parts if part is not None]
+    return replace(STEADY, velocity=math.hypot(*known)) if known and len(known) == len(parts) else STEADY
 
 
 def by_variables(state: State, words: Sequence[str]) -> Motion | None:
@@ -254,6 +272,8 @@ def of_grains(state: State, kind: int) -> Motion | None:
             style, *words = (*fix.words, "")
             if style == "wiggle":
                 return oscillation(state, words[:3], (*words[3:], "")[0])
+            if style == "linear":
+                return steady(state, words[:3])
             return UNKNOWN if style == "variable" else STEADY
     return None
 
@@ -309,4 +329,6 @@ def _of_mesh(state: State, words: Sequence[str]) -> Motion:
             if NUMBER.fullmatch(amount)
         ]
         return strongest(waves) or UNKNOWN
-    return STEADY if {"linear", "rotate", "rotate/variable"} & set(words) else UNKNOWN
+    if "linear" in words:
+        return steady(state, [word for word in after("linear", 3) if word])
+    return STEADY if {"rotate", "rotate/variable"} & set(words) else UNKNOWN

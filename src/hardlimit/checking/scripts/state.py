@@ -9,10 +9,10 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
-from typing import Final, Self
+from typing import Any, Final, Self
 
 from ...support.formatting import listed
-from . import conditions, motion, population
+from . import conditions, filling, motion, population
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
 from .description import (
     WALL,
@@ -108,7 +108,7 @@ ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS_NAMES: Final = """
 variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
-changed_since undefined forks system unclear steps_done regions fixes time_step
+changed_since undefined forks system unclear steps_done regions fixes time_step filling
 """
 NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
 #: Fixes that move grains whatever forces act on them.
@@ -200,6 +200,7 @@ class State:
         self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
         self.unclear: dict[conditions.Part, None] = {}  #: what depends on a condition that only a run knows
         self.edges: dict[str, float] = {}  #: of the box
+        self.filling = filling.Filling()
         self.squeezed: list[Note] = []  #: commands that shrank the box
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
@@ -317,6 +318,8 @@ class State:
         ):
             for branch in statement.branches:
                 self.fork(statement, branch, self)
+                if any(command.words[0] == "velocity" for command in branch.statements):
+                    self.filling.velocities_known = False
             return
         ends = [(branch, self.after(branch)) for branch in statement.branches]
         going = [end for branch, end in ends if not branch.ends and not branch.place]
@@ -364,6 +367,8 @@ class State:
             if name == "population":
                 batches = {kind: list(each) for kind, each in value.batches.items()}
                 new.population = replace(value, batches=batches)
+            elif name == "filling":
+                new.filling = value.copied()
             elif isinstance(value, list | dict) and name != "forks":
                 setattr(new, name, copy.copy(value))
         return new
@@ -393,6 +398,8 @@ class State:
 
     def compare(self, condition: Statement, other: State) -> None:
         """Note what a branch leaves in another state, and quote its condition."""
+        if self.filling != other.filling:
+            self.filling.forget()
         forces = [note for note in self.invalidates if note not in other.invalidates]
         differ = list(forces or set(other.invalidates) - set(self.invalidates))
         for note in forces:
@@ -606,8 +613,11 @@ class State:
         words = statement.words
         group = self.members(words[2]) if words[1:2] == ("group",) and len(words) > 2 else Group(None, False)
         if group.whole:
+            self.filling.census.remove(self.within(group))
             for kind in self.within(group):
                 self.population.batches.pop(kind, None)
+        else:
+            self.filling.census.complete = False
 
     def command_clear(self, statement: Statement) -> None:
         self.system += 1
@@ -640,7 +650,13 @@ class State:
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
         self.note_friction(new.contacts)
-        if self.stages and replace(self.stages[-1], quote=quote, steps=steps, system=new.system) == new:
+        same: dict[str, Any] = {
+            "quote": quote,
+            "steps": steps,
+            "system": new.system,
+            "contents": new.contents,
+        }
+        if self.stages and replace(self.stages[-1], **same) == new:
             self.longer(steps)
         else:
             self.stages.append(new)
@@ -649,7 +665,7 @@ class State:
         """What holds now."""
         grains = {str(kind): self.grains(kind) for kind in self.present()}
         pressed, driven, shear_rate, bath = motion.driven(self)
-        return Stage(
+        now = Stage(
             quote=quote,
             time_step=self.step_now(),
             time_step_given=self.time_step is not None,
@@ -662,6 +678,7 @@ class State:
             pressed=pressed,
             pressure=motion.pressure(self),
             edges=tuple(self.edges.get(axis) for axis in motion.AXES),
+            floor=motion.floor(self),
             driven=driven,
             shear_rate=shear_rate,
             bath=bath,
@@ -670,6 +687,7 @@ class State:
             dimension=self.dimension,
             system=self.system,
         )
+        return replace(now, contents=filling.contents(self, now))
 
     def grains(self, kind: int) -> Grains:
         """The grains of a type as they are now."""
@@ -719,12 +737,13 @@ class State:
         """Continue the last stage."""
         old = self.stages[-1]
         both = None if steps is None or old.steps is None else old.steps + steps
-        self.stages[-1] = replace(old, steps=both)
+        self.stages[-1] = replace(old, steps=both, contents=filling.contents(self, old))
 
     # --- grains -------------------------------------------------------------------------------------------------
 
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
+        filling.read_box(self, (*statement.words, "", "")[2])
         shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
         numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
         for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
@@ -733,13 +752,27 @@ class State:
 
     def command_change_box(self, statement: Statement) -> None:
         kind, _ = motion.deformation(self, statement.words[2:])
-        self.edges = {}
+        self.edges, self.filling.box = {}, {}
         if kind == "pressed":
             self.squeezed.append(Note("change_box", None, statement.quote))
 
     def command_region(self, statement: Statement) -> None:
         if len(statement.words) > 2:
             self.regions[statement.words[1]] = statement.words[2:]
+            filling.read_region(self, statement)
+
+    def command_lattice(self, statement: Statement) -> None:
+        filling.read_lattice(self, statement)
+
+    def command_boundary(self, statement: Statement) -> None:
+        if len(statement.words) == 4:
+            self.filling.boundary = statement.words[1:]
+
+    def command_replicate(self, statement: Statement) -> None:
+        filling.replicate(self, statement.words[1:])
+
+    def command_velocity(self, statement: Statement) -> None:
+        filling.read_velocity(self, statement)
 
     def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
         """A region, or those of which it is a union or an intersection."""
@@ -763,6 +796,7 @@ class State:
         if template:
             self.add_molecule(statement, template[0], kind)
         elif 1 <= kind <= MAX_TYPES:
+            filling.create_atoms(self, kind, words[2:])
             single = words[2:3] == ("single",)
             self.population.add(
                 kind, replace(CREATED, atom=self.population.next_atom()) if single else CREATED
@@ -804,6 +838,7 @@ class State:
     def elsewhere(self, statement: Statement, reason: str = "") -> None:
         """Grains whose sizes are not in the script."""
         self.population.elsewhere = True
+        self.filling.forget()
         self.quote_with(statement, reason)
 
     def command_read_data(self, statement: Statement) -> None:
@@ -826,9 +861,11 @@ class State:
         if population.header(text, "bonds"):
             self.invalidate("bonds between grains", statement)
         try:
-            batches = population.merged(population.atoms(text, self.atom_style))
+            grains = list(population.atoms(text, self.atom_style))
         except (ValueError, IndexError):
-            batches = {}
+            grains = []
+        filling.read_data(self, text, grains, offset)
+        batches = population.merged(iter(grains))
         if not batches:
             self.elsewhere(statement, "only atom style sphere is read")
         for kind, batch in batches.items():
@@ -870,6 +907,10 @@ class State:
                     self.unknown[statement.quote] = None
                     value = None
                 changes.append(self.changed(word, value))
+                if word in ("diameter", "shape"):
+                    radius = None if value is None or word == "shape" else 0.5 * value
+                    whole = chosen.whole and atoms is None
+                    self.filling.census.change(self.within(chosen), whole, radius)
             k += 1 + count
         self.last = statement
         self.population.change(
@@ -893,6 +934,8 @@ class State:
             self.elsewhere(statement)
         elif share != 0.0:
             whole = share == 1.0
+            known = share if chosen.whole and atoms is None else None
+            self.filling.census.convert(self.within(chosen), kind, known)
             self.population.convert(
                 self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
             )

@@ -1,0 +1,445 @@
+"""What a script of LAMMPS or LIGGGHTS fills its box with, and the speeds of impacts that it states.
+
+Formats: docs.lammps.org, pages create_box, boundary, region, velocity, fix_pour and replicate; LIGGGHTS' fix_insert.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from ...support.formatting import digits
+from . import census
+from .census import Census, Lattice
+from .description import Contents, Direction, Range, Speed, Stage
+from .motion import AXES, BOLTZMANN
+
+if TYPE_CHECKING:
+    from .population import Batch
+    from .state import Fix, State
+    from .statements import Statement
+
+#: The style of a region and its numbers in absolute units.
+Region = tuple[object, ...]
+PLANES: Final = ("xplane", "yplane", "zplane")
+#: Number of words of a region before its options.
+REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6}
+#: Cosine of the angle up to which gravity counts as along an axis.
+ALONG: Final = 1.0 - 1e-6
+
+
+class Insertion(NamedTuple):
+    """Where grains are made, and with which velocity. None: not known."""
+
+    region: Region | None  #: empty for the whole box
+    velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    poured: bool = True  #: whether a fix inserts them, and no ``create_atoms``
+
+
+@dataclass
+class Filling:
+    """The box, the grains that are made in it, and their velocities."""
+
+    census: Census = field(default_factory=Census)
+    box: dict[int, Range] = field(default_factory=dict)  #: by axis
+    boundary: tuple[str, ...] = ("p", "p", "p")
+    lattice: Lattice = field(default_factory=Lattice)
+    regions: dict[str, Region | None] = field(default_factory=dict)
+    insertions: list[Insertion] = field(default_factory=list)
+    heat: list[Speed] = field(default_factory=list)  #: of velocities drawn at random
+    drifts: dict[str, tuple[float | None, ...]] = field(default_factory=dict)  #: velocities of groups
+    velocities_known: bool = True  #: whether none of them is unknown
+
+    def forget(self) -> None:
+        """What is in the box depends on what only a run knows, or on a file that is not read."""
+        self.census.complete = self.velocities_known = False
+
+    def copied(self) -> Filling:
+        """A copy that changes on its own."""
+        return copy.deepcopy(self)
+
+    @property
+    def ends(self) -> list[Range]:
+        """The ends of the box; those that are not known are infinite."""
+        return [self.box.get(k, (-math.inf, math.inf)) for k in range(3)]
+
+    def periodic(self, axis: int) -> bool:
+        """Whether a box has no ends along an axis."""
+        return self.boundary[axis].startswith("p")
+
+
+# --- box, lattice and regions -----------------------------------------------------------------------------------
+
+
+def read_lattice(state: State, statement: Statement) -> None:
+    """``lattice STYLE SCALE …``; one with more words than an origin is not understood."""
+    style, size, *rest = (*statement.words[1:], "", "")
+    scale = state.coefficient(size)
+    cell = census.lattice(style, scale or 0.0, state.dimension, state.units == "lj")
+    rest = [word for word in rest if word]
+    if (
+        rest[:1] == ["origin"]
+        and len(rest) == 4
+        and None not in (origin := [*map(state.coefficient, rest[1:])])
+    ):
+        cell = Lattice(cell.sites, cell.edges, tuple(x or 0.0 for x in origin))
+    elif rest:
+        cell = Lattice(None, None)
+    state.filling.lattice = cell
+
+
+def read_region(state: State, statement: Statement) -> None:
+    """The numbers of a region in absolute units, when it is defined."""
+    name, *words = statement.words[1:]
+    state.filling.regions[name] = numbers_of(state, words)
+
+
+def numbers_of(state: State, words: Sequence[str]) -> Region | None:
+    """The numbers of the words of a region; None if they are not known, or if it is the space outside."""
+    count = REGION_WORDS.get(words[0], 0)
+    options = words[1 + count :]
+    cell = state.filling.lattice.edges if "box" not in options else census.SQUARE
+    if not count or len(words) <= count or "out" in options or cell is None:
+        return None
+    axis = words[1] if words[0] == "cylinder" else ""
+    numbers: list[object] = [axis] if axis else []
+    for k, word in enumerate(words[1 + len(numbers) : 1 + count]):
+        unit = cell[axis_of(words[0], axis, k)]
+        low = k % 2 == 0 if words[0] != "cylinder" else k == 3
+        if word in ("INF", "EDGE"):
+            numbers.append(-math.inf if low else math.inf)
+        elif (value := state.coefficient(word)) is not None:
+            numbers.append(unit * value)
+        else:
+            return None
+    return words[0], *numbers
+
+
+def axis_of(style: str, axis: str, k: int) -> int:
+    """The axis whose unit the number ``k`` of a region has."""
+    if style in ("block", "prism"):
+        return k // 2 if k < 6 else 0
+    if style == "sphere":
+        return k if k < 3 else 0
+    along = "xyz".find(axis)
+    across = [other for other in range(3) if other != along]
+    return across[k] if k < 2 else across[0] if k == 2 else max(along, 0)
+
+
+def read_box(state: State, region: str) -> None:
+    """The ends of the box from its region."""
+    style, *numbers = state.filling.regions.get(region) or ("",)
+    if style in ("block", "prism"):
+        known = [number for number in numbers if isinstance(number, float)]
+        pairs = zip(known[:6:2], known[1:6:2], strict=True)
+        state.filling.box = {k: pair for k, pair in enumerate(pairs) if pair[0] < pair[1]}
+
+
+def read_header(state: State, text: str) -> None:
+    """The ends of the box from the header of a data file."""
+    for line in text.splitlines()[1:60]:
+        words = line.partition("#")[0].split()
+        for k, axis in enumerate(AXES):
+            if words[2:] == [f"{axis}lo", f"{axis}hi"]:
+                low, high = state.coefficient(words[0]), state.coefficient(words[1])
+                if low is not None and high is not None and low < high:
+                    state.filling.box[k] = (low, high)
+
+
+def read_data(state: State, text: str, grains: Sequence[tuple[int, Batch]], shift: int) -> None:
+    """The box, the grains and the velocities of a data file; ``shift``: of its types."""
+    filling, sums = state.filling, dict[int, list[float]]()
+    read_header(state, text)
+    for kind, batch in grains:
+        radius = batch.radii[0] if batch.radii else math.nan
+        own = sums.setdefault(kind + shift, [0.0, 0.0, 0.0])
+        for power, by in enumerate((0, 2, 3)):
+            own[power] += radius**by
+    for kind, totals in sums.items():
+        filling.census.add(census.Lot(kind, *totals))
+    lines = text.splitlines()
+    starts = [k for k, line in enumerate(lines) if line.partition("#")[0].split() == ["Velocities"]]
+    if not starts or len(grains) < 2:
+        return
+    rows = [line.split() for line in lines[starts[0] + 1 : starts[0] + 2 + len(grains)] if line.strip()]
+    try:
+        velocities = np.array([row[1 : 1 + state.dimension] for row in rows], float)
+    except ValueError:
+        velocities = np.empty((0, state.dimension))
+    if len(velocities) != len(grains) or len({batch for _, batch in grains}) > 1:
+        filling.velocities_known = False
+    elif (heat := float(velocities.var(axis=0).mean())) > 0.0:
+        source = "the velocities in the data file"
+        filling.heat.append(Speed(math.sqrt(math.pi * heat), source, decides=True))
+
+
+def replicate(state: State, words: Sequence[str]) -> None:
+    """``replicate NX NY NZ``: copies of the box and of its grains."""
+    filling = state.filling
+    if len(words) != 3 or not all(word.isdecimal() and 0 < len(word) < 5 for word in words):
+        filling.box, filling.census.complete = {}, False
+        return
+    times = [int(word) for word in words]
+    filling.census.repeat(math.prod(times))
+    filling.box = {k: (low, low + times[k] * (high - low)) for k, (low, high) in filling.box.items()}
+
+
+# --- grains -----------------------------------------------------------------------------------------------------
+
+
+def create_atoms(state: State, kind: int, words: Sequence[str]) -> None:
+    """Grains of ``create_atoms``, from the words after the type on: 0.5 in radius."""
+    style, filling = (*words, "")[0], state.filling
+    region: Region | None = ()
+    number = 2 if style == "random" else 0
+    if style in ("region", "random"):
+        name = (*words[1 + number :], "")[0]
+        region = () if name == "NULL" else filling.regions.get(name)
+    count: float | None = None
+    some = {"mol", "var", "ratio", "subset", "basis"} & set(words)
+    if style == "random" and not some:
+        count = state.coefficient((*words, "", "")[1])
+    elif style == "single":
+        count = 1.0
+    elif style in ("box", "region") and region is not None and not some:
+        periodic = [filling.periodic(k) for k in range(3)]
+        ends = filling.ends
+        count = (
+            None
+            if math.inf in {x for end in ends for x in end}
+            else census.sites_in(filling.lattice, region, ends, periodic, state.dimension)
+        )
+    filling.census.add(census.lot(kind, count, census.moments((0.5, 0.5))))
+    if style != "single":
+        filling.insertions.append(Insertion(region, poured=False))
+
+
+def poured(state: State, fix: Fix, kind: int, count: float | None, means: tuple[float, float] | None) -> None:
+    """Grains that a fix inserts."""
+    words = (*fix.words, "")
+    name = words[words.index("region") + 1] if "region" in words[:-1] else ""
+    state.filling.census.add(census.lot(kind, count, means))
+    state.filling.insertions.append(Insertion(state.filling.regions.get(name), velocity_of(state, fix)))
+
+
+def inserted(state: State, fix: Fix, kind: int, radii: Range | None) -> None:
+    """Grains of ``fix insert``: a number, or a share of the volume of a region that is filled once."""
+
+    def number(name: str) -> float | None:
+        return state.coefficient(fix.words[fix.words.index(name) + 1]) if name in fix.words[:-1] else None
+
+    filling, share, count = state.filling, number("volumefraction_region"), number("nparticles")
+    if "once" in fix.words:
+        count = number("particles_in_region") if count is None else count
+    elif fix.style.startswith("insert/pack"):
+        share = count = None
+    name = (*fix.words[fix.words.index("region") + 1 :], "")[0] if "region" in fix.words else ""
+    poured(state, fix, kind, count, alike(radii))
+    region = filling.regions.get(name)
+    space = census.volume(region, filling.ends) if region and share is not None else None
+    if share is not None and space is not None and math.isfinite(space):
+        filling.census.lots[-1] = census.Lot(kind, cubes=0.75 / math.pi * share * space)
+
+
+def alike(radii: Range | None) -> tuple[float, float] | None:
+    """Means of r² and r³ of grains of one size; None for others, whose distribution is not read."""
+    return census.moments(radii) if radii is not None and radii[0] == radii[1] else None
+
+
+def velocity_of(state: State, fix: Fix) -> tuple[float, ...]:
+    """The fastest velocity with which a fix inserts grains; 0 along an axis for which it is not known."""
+    words = list(fix.words)
+    if fix.style == "pour" and "vel" in words:  # vxlo vxhi vylo vyhi vz
+        along = [state.coefficient(word) or 0.0 for word in words[words.index("vel") + 1 :][:5]]
+        pairs = [*zip(along[::2], along[1::2], strict=False)]
+        if len(along) == 5:
+            return (*(max(pair, key=abs) for pair in pairs[:2]), along[4])
+    if fix.style.startswith("insert") and "vel" in words:
+        at = words.index("vel") + 2
+        numbers = [state.coefficient(word) or 0.0 for word in words[at : at + 3]]
+        if len(numbers) == 3:
+            return tuple(numbers)
+    if fix.style == "deposit":
+        ends = [
+            max(
+                (state.coefficient(word) or 0.0 for word in words[words.index(name) + 1 :][:2]),
+                key=abs,
+                default=0.0,
+            )
+            if (name := f"v{axis}") in words
+            else 0.0
+            for axis in AXES
+        ]
+        return tuple(ends)
+    return 0.0, 0.0, 0.0
+
+
+# --- velocities -------------------------------------------------------------------------------------------------
+
+
+def read_velocity(state: State, statement: Statement) -> None:
+    """``velocity GROUP create|scale T …`` and ``set VX VY VZ``."""
+    group, style, *words = (*statement.words[1:], "", "")
+    filling, members = state.filling, state.members(group)
+    moving = {kind for kind in state.present() if not state.frozen(kind)}
+    every = members.whole and (members.types is None or members.types >= moving)
+    if style in ("create", "scale"):
+        mass, heat = mean_mass(state), state.coefficient(words[0] if words else "")
+        known = heat is not None and heat >= 0.0 and mass is not None and state.units in BOLTZMANN
+        if not known or not every or "sum" in words:
+            filling.velocities_known = False
+        elif heat and mass and heat is not None:
+            speed = math.sqrt(math.pi * BOLTZMANN[state.units] * heat / mass)
+            filling.heat.append(
+                Speed(speed, f"velocities created at a temperature of {digits(heat, 3)}", decides=True)
+            )
+    elif style == "set":
+        parts = [0.0 if word == "NULL" else state.coefficient(word) for word in words[:3]]
+        filling.drifts = {**(filling.drifts if not every else {}), group: tuple(parts)}
+        if None in parts:
+            filling.velocities_known = False
+    elif style == "ramp":
+        filling.velocities_known = False
+
+
+def mean_mass(state: State) -> float | None:
+    """Mean mass of the grains that move; None if it is not known."""
+    numbers = dict.fromkeys(state.present(), 0.0)
+    for lot in state.filling.census.lots:
+        if lot.kind in numbers:
+            numbers[lot.kind] = math.nan if lot.number is None else numbers[lot.kind] + lot.number
+    masses = dict[int, float]()
+    for kind in numbers:
+        grains = state.grains(kind)
+        if grains.frozen:
+            continue
+        ends = grains.masses
+        if grains.densities is not None and grains.radii is not None:
+            pairs = zip(grains.radii, grains.densities, strict=True)
+            ends = tuple(4.0 / 3.0 * math.pi * r**3 * density for r, density in pairs)  # type: ignore[assignment]
+        if ends is None or not math.isclose(*ends, rel_tol=1e-9):
+            return None
+        masses[kind] = ends[0]
+    if not masses:
+        return None
+    if math.isclose(min(masses.values()), max(masses.values()), rel_tol=1e-9):
+        return next(iter(masses.values()))
+    total = math.fsum(numbers[kind] for kind in masses)
+    mean = math.fsum(numbers[kind] * mass for kind, mass in masses.items()) / (total or math.nan)
+    return mean if state.filling.census.complete and math.isfinite(mean) else None
+
+
+# --- what follows for a run -------------------------------------------------------------------------------------
+
+
+def contents(state: State, stage: Stage) -> Contents:
+    """What a run has in its box, and the speeds that are stated for it."""
+    filling = state.filling
+    stated = (*filling.heat, *drift(state, stage)) if filling.velocities_known else ()
+    return Contents(
+        count=filling.census.count,
+        filled=filling.census.filled(state.dimension),
+        volume=volume(state),
+        speeds=(*stated, *falls(state, stage)),
+    )
+
+
+def planes(state: State) -> dict[int, list[float]]:
+    """Where plane walls stand along each axis."""
+    known: dict[int, list[float]] = {}
+    for fix in state.fixes.values():
+        if not fix.style.startswith("wall/gran"):
+            continue
+        words = fix.words
+        for k, shape in enumerate(PLANES):
+            for at in [at for at, word in enumerate(words) if word == shape]:
+                ends = words[at + 1 : at + (2 if state.code == "liggghts" else 3)]
+                values = [state.coefficient(word) for word in ends if word != "NULL"]
+                known.setdefault(k, []).extend(math.nan if value is None else value for value in values)
+        at = words.index("region") + 1 if "region" in words[:-1] else 0
+        region = state.filling.regions.get(words[at]) if at else None
+        if region and region[0] == "block":
+            numbers = [number for number in region if isinstance(number, float)]
+            for k in range(3):
+                known.setdefault(k, []).extend(x for x in numbers[2 * k : 2 * k + 2] if math.isfinite(x))
+    return known
+
+
+def cylinder(state: State) -> tuple[int, float] | None:
+    """The axis and the radius of a wall that is a cylinder."""
+    for fix in state.fixes.values():
+        for k, axis in enumerate(AXES):
+            shape = f"{axis}cylinder"
+            if fix.style.startswith("wall/gran") and shape in fix.words[:-1]:
+                radius = state.coefficient(fix.words[fix.words.index(shape) + 1])
+                return None if radius is None else (k, radius)
+    return None
+
+
+def volume(state: State) -> float | None:
+    """Volume of the box, in two dimensions its area: between its periodic ends or plane walls, or in a cylinder."""
+    walls, round_wall = planes(state), cylinder(state)
+    across = [] if round_wall is None else [k for k in range(3) if k != round_wall[0]]
+    sizes = [math.pi * round_wall[1] ** 2] if round_wall is not None else []
+    for k in range(state.dimension):
+        if k in across:
+            continue
+        ends = state.filling.box.get(k) if state.filling.periodic(k) else walls.get(k)
+        if ends is None or len(set(ends)) < 2 or not all(map(math.isfinite, ends)):
+            return None
+        sizes.append(max(ends) - min(ends))
+    return math.prod(sizes)
+
+
+def falls(state: State, stage: Stage) -> Iterator[Speed]:
+    """The speeds with which grains reach the floor from where they are made."""
+    axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
+    if not axes or not stage.gravity or stage.down is None or state.filling.periodic(axes[0]):
+        return
+    axis, sign = axes[0], -1.0 if stage.down[axes[0]] > 0.0 else 1.0
+    box = state.filling.box.get(axis)
+    walls = [sign * place for place in planes(state).get(axis, []) if math.isfinite(place)]
+    ends = [] if box is None else [sign * end for end in box]
+    for insertion in state.filling.insertions:
+        limits = census.extents(insertion.region, state.filling.ends) if insertion.region else None
+        top = max((sign * end for end in limits[axis]), default=None) if limits else None
+        if insertion.region == ():
+            top = max(ends, default=None)
+        below = [] if top is None else [wall for wall in walls if wall < top]
+        floor = max(below, default=min(ends, default=None))
+        fall = None if top is None or floor is None else top - floor
+        start = max(0.0, -sign * insertion.velocity[axis])
+        height = fall if fall is not None and 0.0 < fall < math.inf else 0.0
+        if height or start:
+            yield fallen(height, start, stage.gravity, insertion.poured, bool(below))
+
+
+def fallen(height: float, start: float, gravity: float, poured: bool, floor: bool) -> Speed:
+    """The speed after a fall."""
+    source = "the insertion" if not height else "the fall of {height}"
+    if height:
+        source += " from the insertion region" if poured else " within the box"
+        source += "" if floor else ", at most: to the end of the box"
+        source += " and the speed of the insertion" if start else ""
+    return Speed(math.sqrt(start**2 + 2.0 * gravity * height), source, height or None)
+
+
+def drift(state: State, stage: Stage) -> Iterator[Speed]:
+    """The largest relative velocity of groups whose velocities are set, and of what stands still."""
+    drifts = [tuple(x or 0.0 for x in velocity) for velocity in state.filling.drifts.values()]
+    walls = [still()] if any(contact.types[1] == "wall" for contact in stage.contacts) else []
+    whole = "all" in state.filling.drifts or len(drifts) > 1
+    others = [*drifts, *(walls if whole else [still()])]
+    largest = max((math.dist(a, b) for a in drifts for b in others), default=0.0)
+    if largest > 0.0:
+        yield Speed(largest, "the velocities that are set")
+
+
+def still() -> Direction:
+    """The velocity of what does not move."""
+    return 0.0, 0.0, 0.0
