@@ -21,7 +21,7 @@ from hardlimit.checking import checking, contacts
 from hardlimit.checking.scripts import Quote, Setting, read
 
 #: Files that scripts include.
-PARTS = (".inc", ".data")
+PARTS = (".inc", ".data", ".gz")
 SCRIPTS = {
     path.name: path
     for path in (
@@ -36,8 +36,9 @@ FEW = ("lammps_chute", "lammps_barostat", "lammps_shear_cell", "liggghts_settled
 INERT = {
     "output": r"^«?(thermo|fix_modify|compute|dump|print)\b|^«(plot\.|O\.(saveTmp|pause)|O\.run\(1000)",
     "how the program runs": r"^«?(neighbor|neigh_modify|comm_modify|communicate|newton|atom_modify)\b",
-    "where grains are": r"^«?(region|lattice|boundary|create_box|atom_style)\b|^create_atoms (?!«)|^«create_atoms",
-    "how many there are": r"^fix \w+ all (pour|insert/\S+) .*(?<!diam one )(?<!dens )«|«?particledist\S+ .*",
+    "where grains are": r"^«?(region|boundary|create_box|atom_style)\b|^create_atoms \d+ (random \S+ |single ).*«"
+    r"|^lattice sc «",
+    "how they are inserted": r"^fix \w+ all (pour \S+ \S+ «|pour .* (vol|«vol)|insert/\S+ .*«)|«?particledist\S+ .*",
     "random numbers": r"particletemplate/sphere «|\bseed=?«|\b«?seed»?=",
     "how fast they start": r"^«?velocity|state\.vel =|^«?(variable speed|g, height)\b",
     "the place and size of walls": r"plane .*«|(region|cylinder) .*«|scale»|scale «|mesh/surface .*«",
@@ -53,10 +54,10 @@ INERT = {
     "a friction of zero": r"coefficientFriction «?peratomtypepair»? 1 «?0\.0|^«fix m4 .* 0\.0»",
     "grains that are the default": r"^«?set «?type»? «?1»? .*diameter 1\.0 density|^set type 1\*«2»",
     "numbers of forces that no contact has": r"fix (press|slow) .*«|^«unfix slow|CohFrictMat\(.*«",
-    "where bodies of YADE are, and how many": r"makeCloud\(\([^r]*«|«?num»?=|«periodic»|«(300|0\.95)»"
+    "where bodies of YADE are, and how many": r"makeCloud\(\([^r]*«|«?num»?=|«(300|0\.95)»"
     r"|O\.(cell|periodic)\b|facet\w*\(.*«|(box|sphere|wall)\(\(?[^)]*«|gap»?="
     r"|regularHexa\([^r]*«|aabbWalls|^«?mn, mx|^«?n, |in range\(.*«"
-    r"|layer\(«|layer\(\S+ \S+ «|(zeroPoint|rotationAxis|«?fi»?)=\([^)]*«"
+    r"|layer\(«|layer\(\S+ \S+ «"
     r"|^O\.run\(«|box\(.*«|wall\(max.*«|sphere\(\(0\.002 \* \(.*«.*\), 8e-4",
     "a triaxial test, whose grains are pressed": r"^«?(triax|sigma)|(TriaxController|StressController)\(.*«",
     "words of the command line": r"sys\.argv|^scale = ",
