@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..boxes.error_law import MEASURED_TC_NU
 from ..boxes.system import ParticleSystem
 from ..boxes.time_step import DEFAULT_ERROR, accepted_error
 from ..contact.balls import Ball
@@ -567,11 +568,10 @@ def _lasting(
 def _contacts_last(rows: Sequence[CheckedContact], states: Sequence[dumps.State]) -> bool | None:
     """Whether grains have more contacts in the last frame of a dump than collisions make; None if it is not known."""
     coordination = states[-1].coordination if states else None
-    return (
-        None
-        if coordination is None
-        else coordination > 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
-    )
+    if coordination is None:
+        return None
+    longest = max((row.tc_nu or 0.0 for row in rows), default=0.0)
+    return coordination > 0.1 + 2.0 * min(longest, MEASURED_TC_NU)
 
 
 def _held_together(grains: GrainState, options: Options, lasting: Iterable[Finding]) -> Iterator[Finding]:

@@ -202,8 +202,8 @@ OTHER_SHAPES: Final = (
 )
 #: Attributes that change contacts, grains or time steps while the script runs.
 CHANGING_NAMES: Final = """
-young poisson density en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt engines active
-dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
+young poisson density densityScaling en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt
+engines active dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
 """
 #: Those that change only tangential forces.
 TANGENTIAL_NAMES: Final = """
@@ -216,7 +216,20 @@ CHANGING: Final = frozenset(CHANGING_NAMES.split()) | TANGENTIAL
 OF_CONTACTS: Final = (
     CHANGING
     - TANGENTIAL
-    - {*("density", "gravity", "radius", "mass", "dynamic", "blockedDOFs", "dt", "active", "dead")}
+    - {
+        *(
+            "density",
+            "densityScaling",
+            "gravity",
+            "radius",
+            "mass",
+            "dynamic",
+            "blockedDOFs",
+            "dt",
+            "active",
+            "dead",
+        )
+    }
 )
 #: Attributes of ``O`` that change neither contacts nor grains.
 SCENE_NAMES: Final = """
@@ -251,7 +264,7 @@ PLAIN: Final = (
     "sorted",
 )
 #: Calls that change bodies, or add forces to those of contacts.
-FORCE_METHODS: Final = ("addF", "setPermF", "addForce")
+FORCE_METHODS: Final = ("addF", "setPermF", "addForce", "addT", "setPermT", "addTorque", "addMove", "addRot")
 TOUCHING: Final = (
     "toSimulation",
     "growParticles",
@@ -263,6 +276,8 @@ TOUCHING: Final = (
     "setContactFriction",
     *FORCE_METHODS,
 )
+#: Where a script revives a dead engine.
+REVIVED: Final = re.compile(r"\.dead\s*=(?!\s*(True|1\b))|setattr")
 #: Most bodies that a loop runs over one by one.
 MAX_BODIES: Final = 1000
 #: Shapes in the names of functors.
@@ -331,6 +346,7 @@ class Yade(Evaluator):
         self.locked: Quote | None = None  #: the same of bodies of which it is not known which ones they are
         self.unknown: dict[Quote, None] = {}
         self.refused: dict[str, None] = {}
+        self.revives = REVIVED.search(text) is not None
         self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
         self.instances.clear()
         self.label(self.engines)
@@ -552,7 +568,9 @@ class Yade(Evaluator):
             self.filling.cell = vector(instance.argument(0, "size")) or vector(instance.arguments)
         if owner == "O.forces" and name in FORCE_METHODS:
             note = Note(
-                f"an additional force (O.forces.{name})", None, self.quote(instance.line, instance.text)
+                f"an additional force or displacement (O.forces.{name})",
+                None,
+                self.quote(instance.line, instance.text),
             )
             self.invalidates[note] = None
         if isinstance(owner, Instance) and owner.name == "SpherePack":
@@ -930,8 +948,12 @@ class Yade(Evaluator):
         return not entered and any(instance.name.startswith(parts) for instance in self.instances)
 
     def used(self, start: str) -> list[Instance]:
-        """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
-        return list(inside(self.instances if self.apart else self.engines, start))
+        """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it.
+
+        Without engines that are dead, if the script never revives one.
+        """
+        instances = inside(self.instances if self.apart else self.engines, start)
+        return [each for each in instances if self.revives or not each.attributes.get("dead", False)]
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
@@ -1492,6 +1514,8 @@ class Yade(Evaluator):
         known = [material for material in self.materials if material.name in MATERIALS]
         for instance in dict.fromkeys([*self.used(""), *known]):
             quote, name = self.quote(instance.line, instance.text), instance.name
+            if instance.attributes.get("densityScaling", False):  # other masses than those of the grains
+                self.unknown[quote] = None
             strange = (
                 instance.attributes.keys()
                 - {"**"}
