@@ -70,6 +70,9 @@ class Motion:
         self.pair, self.normal, self.size = pair, normal, instant
         self.slips = self.unloads = False
         self.evaluations = 0
+        self.armed = (
+            0.0  # when sticking surfaces may slip again: the force is at its limit but for rounding at first
+        )
         self.part: float | None = None  # of the damping, while the spring follows its limit without slip
         self.kept: Vector | None = None  # direction of slip once it no longer matters
 
@@ -237,7 +240,7 @@ def integrate(
             motion.part = None
             continue
         if event == "stick":
-            motion.slips, motion.part = False, None
+            motion.slips, motion.part, motion.armed = False, None, t + 1e-6 * duration
             if terms.stiffness > 0.0 and terms.limit == 1 and terms.damping > 0.0:
                 part = motion.following_part(y)
                 motion.part = part if part < 1.0 else None
@@ -304,8 +307,10 @@ def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[An
     def turn(_: float, y: Vector) -> float:
         return motion.pieces(y)["rate"]
 
-    def grip(_: float, y: Vector) -> float:
+    def grip(t: float, y: Vector) -> float:
         at = motion.pieces(y)
+        if t < motion.armed:
+            return 1.0
         limited = at["elastic"] if terms.limit == 1 and terms.stiffness > 0.0 else at["force"]
         return terms.coefficient * at["normal"] - norm(limited)
 
