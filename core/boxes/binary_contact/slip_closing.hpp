@@ -2,7 +2,7 @@
 // keeps its direction, the angle ψ from h to f obeys, however large, tan(ψ/2) ∝ exp(−v) with dv = −κ dx/x and
 // κ = |h|/(μ |dF_n/dt|). With y = 2 ln(1/x) the mean of f that is weighted with the force is ∫ e^{−y} f dy:
 // Gauss-Laguerre quadrature, with errors below 2e-4 sin ψ for κ < 4, and 1e-6 sin ψ for κ < 0.6. In one last step this
-// mean replaces f. h is that at the mean time, a third of the time that is left: its change then cancels to first order.
+// mean replaces f. h is that at the mean time, a third of the time left: its change then cancels to first order.
 #pragma once
 #include "../../base/math.hpp"
 
