@@ -714,5 +714,5 @@ def test_statements_of_any_words_are_read_or_quoted(seed):
         assert_sound(box(*lines[:at], grains, *lines[at:]))
         assert_sound(BEADS.format(units="si", boundary="p p f", radius=0.01, lines="\n".join(lines)))
         calls = [some(CALLS.split("\n"), ARGUMENTS.split(), 6, ", ") for _ in range(rng.randint(1, 6))]
-        made = "\n".join(call.format(arguments) for call, arguments in calls)
-        assert_sound(yade(f"sp = pack.SpherePack()\n{made}", rng.choice([0.0, -9.81])))
+        bodies = "\n".join(call.format(arguments) for call, arguments in calls)
+        assert_sound(yade(f"sp = pack.SpherePack()\n{bodies}", rng.choice([0.0, -9.81])))

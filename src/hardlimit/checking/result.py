@@ -81,7 +81,7 @@ class Inferred(NamedTuple):
 
     what: str  #: "speed" or "packing fraction"
     value: float  #: in SI units; of a script in ``lj`` units, as there
-    unit: str
+    unit: str  #: of the value; empty without one
     source: str  #: where it comes from, in words
     decides: bool  #: whether the answer depends on it; if not, it is an estimate for the numbers of contacts
 
