@@ -124,3 +124,13 @@ def test_what_is_not_known_with_friction_is_refused() -> None:
     assert outside.coefficient_error > 2.0 * rubbing(1.0, 1.0).coefficient_error
     assert math.isnan(outside.heated_error(0.1))
     assert "friction" in refusal(lambda: outside.sheared_errors(0.1))
+
+
+@pytest.mark.slow
+def test_hertz_law_with_friction_has_a_wider_bar() -> None:
+    """Measured: 0.45 ± 0.04."""
+    material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "restitution": 0.9, "impact_speed": 1.0}
+    law = hl.Viscoelastic(**material, friction=hl.Friction(0.5, stiffness_ratio=2.88 / 3.5))
+    known = hl.error_law(packing_fraction=0.2, restitution=0.9, rule="law", law=law)
+    assert known.coefficient == pytest.approx(0.45, abs=2.0 * math.hypot(0.04, known.coefficient_error))
+    assert known.coefficient_error > 0.08 and "one point" in known.extrapolated

@@ -388,7 +388,8 @@ def _with_friction(
     if len(gas.frictions) > 1:
         return {}
     own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, speed), speed)
-    grains = rubbing(law.coefficient, friction.ratios(own, 1.0), bodies[0].inertia_factor)
+    depth = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0).compression
+    grains = rubbing(own.terms, friction.ratios(own, depth), bodies[0].inertia_factor)
     if grains is None:
         return {}
     state = gas.dimension, phi, mean.restitution, force.powers, grains
@@ -400,7 +401,7 @@ def _with_friction(
     if error("law", tc_nu) is None:
         return {}
     numbers: dict[str, Any] = {}
-    for rule in ("constant", "law"):
+    for rule in ("constant", "law") if usual_rule(force) == "constant" else ("law",):
         if (value := error(rule, tc_nu)) is not None:
             numbers[rule], numbers[f"{rule}±"] = value
     largest = _largest_tc_nu(lambda x: error("law", x))
