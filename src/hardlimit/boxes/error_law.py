@@ -483,7 +483,7 @@ def with_friction(
     energy = terms.energy - (stored - delayed * x) / dim
     turn = terms.turn - (dim - 1) * law.mean_compression
     change = weak * law.mean_duration * _correlations(smooth) * (energy + turn / gas.density - third)
-    bar = weak * frictional_error.bar(energy, turn / gas.density, third)
+    bar = weak * frictional_error.bar(x, turn / gas.density, third)
     outside = setting.outside()
     wider = 1.0 + setting.distance()
     constant = smooth.rule == "constant"

@@ -16,7 +16,7 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -53,7 +53,7 @@ SMALL: Final = 1e-4
 
 #: Powers of the linear force, and the laws by their powers.
 LINEAR: Final = (4, 0)
-MATERIAL: Final = MappingProxyType({"youngs_modulus": 1.0, "poisson_ratio": 0.3})
+MATERIAL: Final[Mapping[str, Any]] = MappingProxyType({"youngs_modulus": 1.0, "poisson_ratio": 0.3})
 LAWS: Final[Mapping[tuple[int, int], Callable[..., Law]]] = MappingProxyType(
     {
         LINEAR: partial(LinearDashpot, stiffness=1.0),
@@ -176,9 +176,9 @@ def third_particles(dimension: int, phi: float, spring: float) -> float:
     return (b0 + b1 * phi) * spring**2
 
 
-def bar(energy: float, turn: float, third: float) -> float:
-    """Standard error of the change of a by friction, from the residuals of the measurement."""
-    return math.hypot(0.04, 0.05 * turn, 0.25 * third)
+def bar(x: float, turn: float, third: float) -> float:
+    """Standard error of the change of a by friction, from the residuals of the measurement; x = 1 − ε²."""
+    return math.hypot(0.03 + 0.08 * x, 0.05 * turn, 0.25 * third)
 
 
 class Turned(NamedTuple):
