@@ -13,8 +13,8 @@ from hardlimit.boxes import frictional_error, theory
 def rubbing(mu: float, rho: float, phi: float = 0.2, epsilon: float = 0.9, **options: object) -> hl.ErrorLaw:
     """The law for spheres whose tangential spring swings √ρ times as fast as the normal one."""
     friction = hl.Friction(mu, stiffness_ratio=rho / 3.5)
-    given = {"rule": "law", "friction": friction} | options
-    return hl.error_law(packing_fraction=phi, restitution=epsilon, **given)
+    usual = {"rule": "law", "friction": friction} | options
+    return hl.error_law(packing_fraction=phi, restitution=epsilon, **usual)
 
 
 @pytest.mark.parametrize(("mu", "rho", "turn"), [(0.1, 1.0, 1.85), (0.5, 1.0, -1.16), (0.5, 2.88, 1.02)])
@@ -118,9 +118,19 @@ def test_what_is_not_known_with_friction_is_refused() -> None:
         ({"friction": hl.Friction(0.5, damping=1e-3)}, "must be damping_ratio"),
         ({"temperature_ratio": -1.0}, "temperature_ratio: got -1"),
     ):
-        assert words in refusal(lambda given={"mu": 0.5, "rho": 1.0} | options: rubbing(**given))
+        assert words in refusal(lambda values={"mu": 0.5, "rho": 1.0} | options: rubbing(**values))
     outside = rubbing(1.5, 1.0)
     assert "μ = 1.5 is outside the measured range 0 to 1" in outside.extrapolated
     assert outside.coefficient_error > 2.0 * rubbing(1.0, 1.0).coefficient_error
     assert math.isnan(outside.heated_error(0.1))
     assert "friction" in refusal(lambda: outside.sheared_errors(0.1))
+
+
+@pytest.mark.slow
+def test_hertz_law_with_friction_has_a_wider_bar() -> None:
+    """Measured: 0.45 ± 0.04."""
+    material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "restitution": 0.9, "impact_speed": 1.0}
+    law = hl.Viscoelastic(**material, friction=hl.Friction(0.5, stiffness_ratio=2.88 / 3.5))
+    known = hl.error_law(packing_fraction=0.2, restitution=0.9, rule="law", law=law)
+    assert known.coefficient == pytest.approx(0.45, abs=2.0 * math.hypot(0.04, known.coefficient_error))
+    assert known.coefficient_error > 0.08 and "one point" in known.extrapolated

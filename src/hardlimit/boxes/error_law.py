@@ -39,8 +39,10 @@ NEARLY_ELASTIC: Final = _core.error_law_nearly_elastic
 
 #: Coefficient of friction below which its effect is in proportion to it: contacts that slide take long to compute.
 WEAK: Final = 0.05
-#: b in the term −b (1 − ε²)/D of the coefficient for linear springs, as in core/boxes/common/error_law.hpp.
+#: b in the term −b (1 − ε²)/D of the coefficient, for linear springs and by which it falls with their exponent q, as in
+#: core/boxes/common/error_law.hpp.
 DELAYED: Final = 0.87
+DELAYED_SLOPE: Final = 1.03
 
 #: Steps to the steady energy under the rule tc.
 FIXED_POINT_STEPS: Final = 60
@@ -91,6 +93,7 @@ class Exponents(NamedTuple):
 
 #: Powers of the contact forces that were measured (``Exponents.of``): linear, Tsuji's and viscoelastic.
 MEASURED_POWERS: Final = ((4, 0), (6, 1), (6, 2))
+LINEAR_POWERS: Final = MEASURED_POWERS[0]
 LINEAR, *HERTZ = map(Exponents.of, MEASURED_POWERS)
 
 
@@ -400,7 +403,7 @@ def error_law(
         matter. Default: the linear dashpot. If t_c depends on the speed, as in Hertz' law, t_c ν is taken at the mean
         impact speed √(πT).
     friction : Friction, optional
-        Of a linear dashpot, with ratios of stiffness and damping; by default that of ``law``.
+        Of this law, with ratios of stiffness and damping; by default that of ``law``.
     temperature_ratio : float
         T_r/T at the start of a gas with friction, in [0, 5]. The coefficient is the mean over 3 to 9 collisions of each
         particle.
@@ -413,13 +416,14 @@ def error_law(
         Outside the range of the measurements its text and ``extrapolated`` say so, and its error is larger. They are
         0.02 ≤ φ ≤ 0.5, ε ≥ 0.4 for spheres and 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6 for disks with linear springs; 0.05 ≤ φ ≤ 0.5,
         ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts; with friction 0.05 ≤ φ ≤ 0.5,
-        0.7 ≤ ε ≤ 0.95, μ ≤ 1, 1 ≤ (m_n/m_t) k_t/k_n ≤ 3.5, and γ_t up to γ_n.
+        0.7 ≤ ε ≤ 0.95, μ ≤ 1, 1 ≤ (m_n/m_t) k_t/k_n ≤ 3.5, and γ_t up to γ_n, with linear springs; with Hertz' laws and
+        Mindlin's springs, one point.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the error is not known with this friction: for Hertz' laws, other rules,
-        and far outside the measured range.
+        If an argument is outside its range, or the error is not known with this friction: without a tangential spring,
+        for other rules, and far outside the measured range.
 
     Notes
     -----
@@ -454,27 +458,32 @@ def error_law(
         "temperature_ratio", temperature_ratio, 0.0, 5.0, lowest_allowed=True, highest_allowed=True
     )
     q = float(spins.checked_factor(inertia_factor, 1, dim)[0])
-    return with_friction(smooth, rubs, theta, q)
+    return with_friction(smooth, rubs, theta, q, LINEAR_POWERS if law is None else law.record["powers"])
 
 
-def with_friction(smooth: ErrorLaw, friction: Friction, theta: float, q: float) -> ErrorLaw:
-    """The law of the error for linear springs with this friction, from that of smooth particles.
+def with_friction(
+    smooth: ErrorLaw, friction: Friction, theta: float, q: float, powers: tuple[int, int]
+) -> ErrorLaw:
+    """The law of the error with this friction, from that of smooth particles.
 
-    ``theta``: T_r/T at the start. ``q``: inertia factor. Raises ValueError where it is not known.
+    ``theta``: T_r/T at the start. ``q``: inertia factor. ``powers``: four times those of the normal force. Raises
+    ValueError where it is not known.
     """
-    dim, epsilon = smooth.dimension, smooth.restitution
-    setting = frictional_error.Setting(dim, epsilon, friction, theta, q)
+    dim, epsilon, law = smooth.dimension, smooth.restitution, Exponents.of(powers)
+    setting = frictional_error.Setting(dim, epsilon, friction, theta, q, (powers[0], powers[1]))
     if reason := setting.not_known() or _rule_not_known(smooth.rule):
         raise ValueError(f"friction: {reason}")
     weak = min(friction.coefficient / WEAK, 1.0)  # of which the terms are in proportion to μ
     strong = setting._replace(friction=replace(friction, coefficient=max(friction.coefficient, WEAK)))
-    terms = frictional_error.terms(strong, LINEAR.energy, LINEAR.damping, DELAYED)
+    delayed = DELAYED - DELAYED_SLOPE * (law.energy - LINEAR.energy)
+    terms = frictional_error.terms(strong, *law, delayed)
     gas, x = fluid(dim, smooth.packing_fraction), 1.0 - epsilon**2
     third = frictional_error.third_particles(dim, smooth.packing_fraction, terms.spring)
-    energy = terms.energy - (0.75 - DELAYED * x) / dim
-    turn = terms.turn - (dim - 1) * LINEAR.mean_compression
-    change = weak * _correlations(smooth) * (energy + turn / gas.density - third)
-    bar = weak * frictional_error.bar(energy, turn / gas.density, third)
+    stored = (1.0 + (law.damping + 1.0) / law.energy) / law.energy
+    energy = terms.energy - (stored - delayed * x) / dim
+    turn = terms.turn - (dim - 1) * law.mean_compression
+    change = weak * law.mean_duration * _correlations(smooth) * (energy + turn / gas.density - third)
+    bar = weak * frictional_error.bar(x, turn / gas.density, third)
     outside = setting.outside()
     wider = 1.0 + setting.distance()
     constant = smooth.rule == "constant"

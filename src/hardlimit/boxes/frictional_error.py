@@ -11,12 +11,12 @@ Units: radii 1, speeds √T(0), ν(0) = 1 for the balance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from .. import _core
 from ..contact.balls import Ball
 from ..contact.contact import Contact, Law
 from ..contact.friction import SPRING, Friction
-from ..contact.laws import LinearDashpot
+from ..contact.laws import LinearDashpot, Tsuji, Viscoelastic
 from ..support import validation
 from .box import Floats
 from .theory import Gas, RotatingGas
@@ -37,9 +37,10 @@ WINDOW: Final = (3.0, 9.0)
 #: fixed normal, whose diameter is larger by the factor FLAT.
 SIZE: Final = 1e-3
 FLAT: Final = 1e7
-#: Contacts of the quadrature over the turn, and over the energy in springs; times in each of the latter.
-TURNING: Final = 2048
-STORING: Final = 256
+#: Contacts of the quadrature over the turn, and over the energy in springs, of linear and of other laws, which take
+#: longer; times in each of the latter.
+TURNING: Final = MappingProxyType({True: 2048, False: 512})
+STORING: Final = MappingProxyType({True: 256, False: 64})
 INSTANTS: Final = 16
 #: Temperature ratios at which the exchange of energy is tabulated.
 RATIOS: Final = np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.2, 1.8, 2.7, 4.0, 7.0, 12.0])
@@ -50,6 +51,16 @@ STEPS: Final = 40
 SMALL: Final = 1e-4
 
 
+#: Powers of the linear force, and the laws by their powers.
+LINEAR: Final = (4, 0)
+MATERIAL: Final[Mapping[str, Any]] = MappingProxyType({"youngs_modulus": 1.0, "poisson_ratio": 0.3})
+LAWS: Final[Mapping[tuple[int, int], Callable[..., Law]]] = MappingProxyType(
+    {
+        LINEAR: partial(LinearDashpot, stiffness=1.0),
+        (6, 1): partial(Tsuji, **MATERIAL),
+        (6, 2): partial(Viscoelastic, **MATERIAL, impact_speed=IMPACT_SPEED),
+    }
+)
 #: By dimension − 2: coefficients b0 and b1 of the effect of third particles, (b0 + b1 φ) S², where S is the mean energy
 #: in the tangential spring over the loss of a collision. A fit to the measurement.
 THIRD: Final = ((0.5, 1.0), (0.45, 0.8))
@@ -69,13 +80,14 @@ BEYOND: Final = 2.0
 
 
 class Setting(NamedTuple):
-    """Grains with friction and linear springs."""
+    """Grains with friction."""
 
     dimension: int
     restitution: float
     friction: Friction
     theta: float  #: T_r/T at the start
     inertia_factor: float
+    powers: tuple[int, int] = LINEAR  #: four times p and q of the normal force K ξ^p + C ξ^q dξ/dt
 
     def values(self) -> dict[str, float]:
         """Those of :data:`MEASURED`."""
@@ -85,8 +97,13 @@ class Setting(NamedTuple):
 
     def not_known(self) -> str:
         """Why nothing is known of them, in words; empty if it is."""
-        if self.friction.model != SPRING:
-            return f"got the model {self.friction.model}, must be {SPRING}"
+        model, linear = self.friction.model or "", self.powers == LINEAR
+        if (model != SPRING) if linear else not model.startswith("mindlin"):
+            return f"got the model {model}, must be {SPRING if linear else 'one of Mindlin’s'}"
+        if self.powers not in LAWS:
+            return (
+                "got it with another normal force, must be that of linear, Tsuji’s or viscoelastic contacts"
+            )
         for name, value in self.values().items():
             low, high = MEASURED[name]
             least, most = low / BEYOND, min(high * BEYOND, 1.0) if name == "ε" else high * BEYOND
@@ -100,16 +117,19 @@ class Setting(NamedTuple):
 
     def outside(self) -> str:
         """Which values are outside the range of the measurements, in words."""
-        return " and ".join(
+        ranges = [
             f"{name} = {value:.3g} is outside the measured range {low:g} to {high:g}"
             for name, value, low, high in self._beyond()
-        )
+        ]
+        hertz = ["Hertz' laws with friction were measured at one point only"] * (self.powers != LINEAR)
+        return " and ".join(hertz + ranges)
 
     def distance(self) -> float:
-        """How far outside, for the error bar: 0 inside, 2 where a value is twice as large or half as large."""
-        return 2.0 * sum(
+        """How far outside, for the error bar: 0 inside, 2 where a value is twice as large, 1 for Hertz' laws."""
+        far = sum(
             abs(math.log2(value / min(max(value, low), high))) for _, value, low, high in self._beyond()
         )
+        return 2.0 * far + (self.powers != LINEAR)
 
     def _beyond(self) -> list[tuple[str, float, float, float]]:
         """Names and values outside the measured range, and its ends."""
@@ -121,8 +141,8 @@ class Setting(NamedTuple):
         ]
 
     def contact(self) -> Contact:
-        """Two equal grains with a stiffness of 1."""
-        law = LinearDashpot(stiffness=1.0, restitution=self.restitution, friction=self.friction)
+        """Two equal grains with a stiffness or a modulus of 1; ε at the mean impact speed."""
+        law = LAWS[self.powers](restitution=self.restitution, friction=self.friction)
         ball = Ball(1.0, mass=2.0, inertia_factor=self.inertia_factor)
         return law.between(ball, ball)
 
@@ -136,7 +156,8 @@ def friction_of(law: Law | None, friction: Friction | None) -> Friction | None:
     elif law is not None and law.friction is not None:
         raise ValueError("law | friction: got both with friction, must be one of them")
     else:
-        own = LinearDashpot(stiffness=1.0, restitution=1.0, friction=friction).friction
+        bare = LinearDashpot(stiffness=1.0, restitution=1.0) if law is None else law
+        own = bare.replace(friction=friction).friction
     if own is None or own.coefficient == 0.0:
         return None
     if own.stiffness is not None:
@@ -155,9 +176,9 @@ def third_particles(dimension: int, phi: float, spring: float) -> float:
     return (b0 + b1 * phi) * spring**2
 
 
-def bar(energy: float, turn: float, third: float) -> float:
-    """Standard error of the change of a by friction, from the residuals of the measurement."""
-    return math.hypot(0.04, 0.05 * turn, 0.25 * third)
+def bar(x: float, turn: float, third: float) -> float:
+    """Standard error of the change of a by friction, from the residuals of the measurement; x = 1 − ε²."""
+    return math.hypot(0.03 + 0.08 * x, 0.05 * turn, 0.25 * third)
 
 
 class Turned(NamedTuple):
@@ -203,6 +224,10 @@ def impacts(n: int, theta: float, q: float, dimension: int) -> tuple[Floats, Flo
     return velocity, spin
 
 
+def is_linear(contact: Contact) -> bool:
+    return tuple(contact.law.record["powers"]) == LINEAR
+
+
 def mean_duration(contact: Contact) -> float:
     """Mean duration of the collisions at T = 1."""
     u = (np.arange(64) + 0.5) / 64.0
@@ -212,7 +237,7 @@ def mean_duration(contact: Contact) -> float:
 def turned_at(contact: Contact, theta: float, dimension: int) -> Turned:
     """Quadrature over isolated contacts of two equal particles at T = 1, turning and with a fixed normal."""
     q, mass = contact.ball.inertia_factor, contact.ball.mass
-    velocities, spins = impacts(TURNING, theta, q, dimension)
+    velocities, spins = impacts(TURNING[is_linear(contact)], theta, q, dimension)
     normal, ratio = np.array([0.0, 0.0, 1.0]), contact.effective_mass / contact.tangential_mass - 1.0
     diameter = mean_duration(contact) / (math.sqrt(math.pi) * SIZE)
     changes = np.zeros((2, 2))  # turning and flat; of all energy and of rotation
@@ -231,7 +256,7 @@ def stored(contact: Contact, theta: float, dimension: int) -> Stored:
     """Mean energy in the springs of a contact with a fixed normal at T = 1, weighted by durations."""
     q, mass, friction = contact.ball.inertia_factor, contact.ball.mass, contact.friction_terms
     assert friction is not None
-    velocities, spins = impacts(STORING, theta, q, dimension)
+    velocities, spins = impacts(STORING[is_linear(contact)], theta, q, dimension)
     normal, ratio = np.array([0.0, 0.0, 1.0]), contact.effective_mass / contact.tangential_mass - 1.0
     d = FLAT * mean_duration(contact)
     energies, total = np.zeros(2), 0.0
@@ -351,6 +376,15 @@ class FrictionTerms(NamedTuple):
     smooth_error: float  #: that of hard spheres without friction, by the cooling of translation
 
 
+@lru_cache(maxsize=64)
+def _balance(setting: Setting, exponent: float) -> tuple[Gas, Balance]:
+    """The gas and the balance of its hard spheres, which do not depend on θ at the start."""
+    contact = setting.contact()
+    ball = contact.ball
+    gas = Gas(1, ball.radius, ball.mass, 1e3 * ball.radius**3, setting.dimension, ball.inertia_factor)
+    return gas, Balance(gas.rotating(law=contact.law, speed=IMPACT_SPEED), exponent)
+
+
 @lru_cache(maxsize=512)
 def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms:
     """The terms of equal grains with friction.
@@ -361,8 +395,7 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms
     contact, dimension, theta = setting.contact(), setting.dimension, setting.theta
     ball, axes = contact.ball, axes_of_rotation(dimension)
     exponent = 1.0 + (c + 1.0) / q
-    gas = Gas(1, ball.radius, ball.mass, 1e3 * ball.radius**3, dimension, ball.inertia_factor)
-    balance = Balance(gas.rotating(law=contact.law, speed=IMPACT_SPEED), exponent)
+    gas, balance = _balance(setting._replace(theta=0.0), exponent)
     energies = balance.energies(theta)
     hard = balance.through(theta, energies, 0.0, HARD)
     mean = hard.ratio

@@ -167,7 +167,7 @@ def _with_friction(known: Sequence[CheckedContact]) -> str:
         constant = (
             f" or constant with μ {digits(row.friction.coefficient or 0.0, 3)} and β0 {digits(beta, 2)}"
         )
-        constant += f", which adds {percent(added)}," if abs(added) >= SMALLEST_ADDED else ""
+        constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
     way = WAYS["cooling"][value < 0.0]
     without = f"without, it cools about {percent(abs(value))} {way}"
     return f" Event-driven must have the same friction (rule law{constant}); {without}."

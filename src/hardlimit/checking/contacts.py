@@ -154,19 +154,14 @@ class CheckedContact:
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
     error: Errors = field(default_factory=dict)  #: of event-driven cooling
-    #: Of the event-driven simulation that the answer is about: "law" if ε depends on the speed, or with friction.
-    rule: str = "constant"
+    rule: str = "constant"  #: of the event-driven grains: "law" with friction or if ε depends on the speed
     heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating
     heated_error_bar: float | None = None  #: its standard error
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     sheared_error_bar: float | None = None  #: its standard error
-    friction: CheckedFriction = (
-        SMOOTH  #: with friction, ``error`` is that of an event-driven simulation with the same
-    )
+    friction: CheckedFriction = SMOOTH  #: that of the event-driven grains, too
     frictionless_error: float | None = None  #: of the quantity asked for, of grains without friction
-    smooth_error: float | None = (
-        None  #: of event-driven cooling that leaves the friction of the grains out, in theory
-    )
+    smooth_error: float | None = None  #: of event-driven cooling without the friction, in theory
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
     other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
@@ -388,7 +383,8 @@ def _with_friction(
     if len(gas.frictions) > 1:
         return {}
     own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, speed), speed)
-    grains = rubbing(law.coefficient, friction.ratios(own, 1.0), bodies[0].inertia_factor)
+    depth = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0).compression
+    grains = rubbing(own.terms, friction.ratios(own, depth), bodies[0].inertia_factor)
     if grains is None:
         return {}
     state = gas.dimension, phi, mean.restitution, force.powers, grains
@@ -400,7 +396,7 @@ def _with_friction(
     if error("law", tc_nu) is None:
         return {}
     numbers: dict[str, Any] = {}
-    for rule in ("constant", "law"):
+    for rule in ("constant", "law") if usual_rule(force) == "constant" else ("law",):
         if (value := error(rule, tc_nu)) is not None:
             numbers[rule], numbers[f"{rule}±"] = value
     largest = _largest_tc_nu(lambda x: error("law", x))

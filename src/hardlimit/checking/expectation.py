@@ -9,14 +9,13 @@ from typing import Any, Final, NamedTuple
 
 from ..boxes.error_law import (
     DENSEST,
-    LINEAR,
     MEASURED_POWERS,
     ErrorLaw,
     Exponents,
     of_exponents,
     with_friction,
 )
-from ..contact.friction import NONE, SPRING, Friction
+from ..contact.friction import LIMITS, NONE, RECORD, SPRING, Friction, FrictionTerms
 from ..convert.force import Powers
 from ..support import validation
 
@@ -76,20 +75,19 @@ class Rubbing(NamedTuple):
     inertia_factor: float
 
 
-def rubbing(coefficient: float, numbers: Mapping[str, Any], inertia_factor: float) -> Rubbing | None:
-    """The friction of a contact with a linear spring, from its ratios; None if they are not known."""
-    ratio, damping = numbers.get("stiffness_ratio"), numbers.get("damping_ratio")
-    if ratio is None or damping is None or not 0.0 < coefficient < math.inf:
+def rubbing(terms: FrictionTerms, numbers: Mapping[str, Any], inertia_factor: float) -> Rubbing | None:
+    """The friction of a contact by its model and its ratios; None if they are not those of a :class:`Friction`."""
+    ratio, damping, mu = numbers.get("stiffness_ratio"), numbers.get("damping_ratio"), terms.coefficient
+    history = {"loading": terms.loading, "unloading": terms.unloading}
+    models = [model["name"] for model in RECORD["models"] if {key: model[key] for key in history} == history]
+    models = [name for name in models if name != NONE and (name == SPRING) == (terms.stiffness_power == 0)]
+    if not models or ratio is None or damping is None or not ratio > 0.0 or not 0.0 < mu < math.inf:
         return None
-    model = SPRING if ratio > 0.0 else NONE
-    friction = Friction(
-        coefficient,
-        stiffness_ratio=float(f"{ratio:.6g}") if ratio > 0.0 else None,
-        damping_ratio=float(f"{damping:.6g}"),
-        model=model,
-        limit=numbers["limit"],
-    )
-    return Rubbing(friction, inertia_factor)
+    rounded = {
+        "stiffness_ratio": float(f"{ratio:.6g}"),
+        "damping_ratio": float(f"{damping:.6g}"),
+    }
+    return Rubbing(Friction(mu, **rounded, model=models[0], limit=LIMITS[terms.limit]), inertia_factor)
 
 
 def expected_rubbing(
@@ -127,12 +125,13 @@ def _rubbing_laws(
     rule: str, dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing
 ) -> tuple[ErrorLaw, ...]:
     """The law of the error of gases without spins and of equal temperatures; none if it is not known."""
-    if packing_fraction > DENSEST[dimension] or (powers.elastic, powers.damping) != MEASURED_POWERS[0]:
+    form = (powers.elastic, powers.damping)
+    if packing_fraction > DENSEST[dimension] or form not in MEASURED_POWERS:
         return ()
-    smooth = of_exponents(dimension, packing_fraction, restitution, rule, LINEAR)
+    smooth = of_exponents(dimension, packing_fraction, restitution, rule, Exponents.of(form))
     try:
         return tuple(
-            with_friction(smooth, grains.friction, theta, grains.inertia_factor) for theta in (0.0, 1.0)
+            with_friction(smooth, grains.friction, theta, grains.inertia_factor, form) for theta in (0.0, 1.0)
         )
     except ValueError:  # far from what was measured
         return ()

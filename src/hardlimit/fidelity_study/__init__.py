@@ -76,7 +76,7 @@ def fidelity(
         without the energy of the overlaps (:doc:`/grains`).
     law : Law
         Contact law of Newton's equations and of the rules law and soft. With friction, all models have it, and the law
-        of the error predicts the rules law and constant for linear springs.
+        of the error predicts the rules law and constant.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
         Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel
