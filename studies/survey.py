@@ -3,9 +3,9 @@
     python studies/survey.py FOLDER [--json FILE] [--most 20]
 
 Every file below the folder that is a script or a log of LAMMPS, LIGGGHTS or YADE is checked as it is, without further
-numbers. A script at rest, pressed or flowing has its number if κ_p is known, a shaken one if Γ is, a gas if t_c ν is.
-How many have a longest stable step is counted
-beside. The reasons for a missing number and the statements that are not understood are listed by how often they occur.
+numbers. A script at rest, pressed or flowing has its number if κ_p is known, a shaken one if Γ is, a gas if t_c ν is;
+those with a longest stable step are counted as well. The reasons for a missing number and the statements that are not
+understood are listed by how often they occur.
 """
 
 import argparse

@@ -96,13 +96,13 @@ class Lammps:
 
     def run(self, text: str) -> str:
         (self.folder / "in.script").write_text(text, encoding="utf-8")
-        found = program.find(1)
-        return output([found.path, "-in", "in.script", "-log", "none"], self.folder, found.environment())
+        lammps = program.find(1)
+        return output([lammps.path, "-in", "in.script", "-log", "none"], self.folder, lammps.environment())
 
     def version(self) -> str:
-        found = program.find(1)
+        lammps = program.find(1)
         return re.search(
-            r"Simulator - (\d+ \w+ \d+)", output([found.path, "-h"], self.folder, found.environment())
+            r"Simulator - (\d+ \w+ \d+)", output([lammps.path, "-h"], self.folder, lammps.environment())
         )[1]
 
     def settle(self) -> State:
@@ -236,7 +236,7 @@ def overlaps(state: State, power: float) -> dict[str, float]:
     apart = x[i] - x[j]
     apart -= box * np.round(apart / box)
     depth = r[i] + r[j] - np.linalg.norm(apart, axis=1)
-    smaller, held = np.minimum(r[i], r[j]), depth > 0.0
+    smaller, touching = np.minimum(r[i], r[j]), depth > 0.0
     z, top = state.positions[:, 2], float((state.positions[:, 2] + r).max())
     if state.box[2]:
         weight = np.ones(len(pairs))
@@ -244,14 +244,14 @@ def overlaps(state: State, power: float) -> dict[str, float]:
         at = 0.5 * (z[i] + z[j])
         above = np.array([state.mass[z > height].sum() for height in at])
         weight = (state.mass.sum() / np.maximum(above, 1e-300)) ** power
-        held &= (at > 2.0 * r.max()) & (at < top - 6.0 * r.max())
+        touching &= (at > 2.0 * r.max()) & (at < top - 6.0 * r.max())
     return {
         "grains": len(r),
         "height": top - float((z - r).min()),
         "mass": float(state.mass.sum()),
         "coordination": 2.0 * float((depth > 0.0).sum()) / len(r),
-        "overlap": float((weight * depth / smaller)[held].mean()) if held.any() else float("nan"),
-        "samples": int(held.sum()),
+        "overlap": float((weight * depth / smaller)[touching].mean()) if touching.any() else float("nan"),
+        "samples": int(touching.sum()),
     }
 
 
