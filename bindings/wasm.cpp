@@ -365,7 +365,8 @@ double agreement_gap(double restitution, double low, double high, double toleran
     set_contacts(c, restitution);
     col::SolveOptions options = coarse();
     options.max_events = 1000;
-    double found = hl::math::infinity;
+    double from = hl::math::infinity;
+    bool at_the_top = true;
     for (int k = steps; k >= 0; --k) {
         const double gap = low * hl::math::exp(hl::math::log(high / low) * k / steps);
         for (int j = first_gap(c); j < c.balls; ++j) c.gaps[j] = gap;
@@ -375,10 +376,14 @@ double agreement_gap(double restitution, double low, double high, double toleran
             col::solve_column(col::SharedColumn<Law>(column), col::Model::independent, options);
         const col::Comparison compared =
             col::compare_models(col::SharedColumn<Law>(column), options, *newton, *independent, tolerance);
-        if (!(compared.error <= tolerance) || compared.answer == col::Answer::no) return found;
-        found = gap;
+        const bool agree = compared.error <= tolerance && compared.answer != col::Answer::no;
+        if (k == steps && compared.answer == col::Answer::undecided) return hl::math::nan;
+        if (!agree && k < steps && at_the_top) return from;
+        if (agree && !at_the_top) return -gap;
+        if (agree) from = gap;
+        at_the_top = at_the_top && agree;
     }
-    return found;
+    return from;
 }
 
 // The alternative that the page uses for a law: the first one with ε.
@@ -516,7 +521,8 @@ void compare_models(double tolerance) {
 }
 
 // For n values of ε, writes the gap above which both models agree: all larger gaps up to `high` do, in logarithmic
-// steps. Infinity: they do not agree at `high`. Other gaps of the column stay unless the scan varies them too.
+// steps. −gap: they do not agree at `high`, but at this narrower gap, the widest one. Infinity: they agree at no gap.
+// NaN: at `high` one of the models has no answer. Other gaps of the column stay unless the scan varies them too.
 void agreement_gaps(long n, const double* restitution, double low, double high, double tolerance,
                     double* out) {
     with_law([&]<class Law>() {

@@ -123,7 +123,13 @@ def solved(name: str, system: hl.ParticleSystem, until: float, **options: Any) -
 
 def energies(run: Any) -> np.ndarray[Any, Any]:
     """The energies at each sample [J], work and heat with a minus sign: their sum is constant."""
-    gained = ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_energy")
+    gained = (
+        "kinetic_energy",
+        "rotational_energy",
+        "potential_energy",
+        "contact_energy",
+        "dissipated_energy",
+    )
     parts = [run.series[name].values for name in gained if name in run.series]
     return np.array(parts + [-run.series[name].values for name in ("wall_work", "shear_work", "heat")])
 

@@ -27,7 +27,7 @@ def refused(*args: object) -> str:
 
 
 #: What belongs to Python: a keyword argument, a module, a function that the command line calls otherwise.
-OF_PYTHON = re.compile(r"(?<![\w-])[a-z]\w*=(?!=)|\bhl\.|molecular_dynamics|allowed_overlap")
+OF_PYTHON = re.compile(r"(?<![\w-])[a-z]\w*=(?!=)|\bhl\.|molecular_dynamics")
 
 
 def options_as_names(param: click.Parameter) -> list[str]:

@@ -4,6 +4,7 @@ Written from the equations (Cundall & Strack 1979; arms a_i = R_i r/(R_i + R_j),
 force) and independent of the core: positions, velocities and spins of both bodies and T as vectors in space.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +17,23 @@ Vector = NDArray[np.float64]
 NEGLIGIBLE = 1e-6
 #: Start of a slip from zero force, over the duration of the contact.
 INSTANT = 1e-9
+#: A contact that takes more is left out: its slip relaxes very fast, or its force ends like a root of the compression.
+MAX_EVALUATIONS = 40_000
 TOLERANCE = {"method": "DOP853", "rtol": 2e-12, "atol": 1e-13}
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """For two vectors; faster than NumPy's, which takes arrays of them."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
+def norm(a: Vector) -> float:
+    return math.sqrt(a @ a)
+
+
+class TooCostlyError(Exception):
+    """A contact of more than ``MAX_EVALUATIONS``, or of steps that are too small for SciPy."""
 
 
 @dataclass
@@ -52,6 +69,10 @@ class Motion:
     def __init__(self, pair: Pair, normal: Vector, instant: float) -> None:
         self.pair, self.normal, self.size = pair, normal, instant
         self.slips = self.unloads = False
+        self.evaluations = 0
+        self.armed = (
+            0.0  # when sticking surfaces may slip again: the force is at its limit but for rounding at first
+        )
         self.part: float | None = None  # of the damping, while the spring follows its limit without slip
         self.kept: Vector | None = None  # direction of slip once it no longer matters
 
@@ -62,14 +83,14 @@ class Motion:
             n, gap = self.normal, (x[1] - x[0]) @ self.normal
             depth, arms, per_r = ri - gap, (ri, 0.0), 0.0
         else:
-            r = np.linalg.norm(x[1] - x[0])
+            r = norm(x[1] - x[0])
             n, depth = (x[1] - x[0]) / r, ri + rj - r
             arms, per_r = (ri * r / (ri + rj), rj * r / (ri + rj)), 1.0 / r
         relative = v[1] - v[0]
         radial = relative @ n
         turning = (relative - radial * n) * per_r  # dn/dt
         roll = arms[0] * spin[0] + arms[1] * spin[1]
-        g = relative - np.cross(roll, n)
+        g = relative - cross(roll, n)
         return n, depth, -radial, turning, arms, g - (g @ n) * n, spin
 
     def pieces(self, y: Vector) -> dict[str, Any]:
@@ -84,10 +105,10 @@ class Motion:
         elastic = y[18:21] - (y[18:21] @ n) * n
         force = elastic + (1.0 if self.part is None else self.part) * damping * g
         if self.slips and terms.stiffness == 0.0:
-            force = terms.coefficient * normal * g / np.linalg.norm(g)
+            force = terms.coefficient * normal * g / norm(g)
         if self.kept is not None:
             kept = self.kept - (self.kept @ n) * n
-            force = terms.coefficient * normal * kept / np.linalg.norm(kept)
+            force = terms.coefficient * normal * kept / norm(kept)
         return dict(
             n=n,
             depth=depth,
@@ -111,7 +132,7 @@ class Motion:
             if pair.mass[i] < np.inf:
                 inertia = pair.inertia_factor[i] * pair.mass[i] * pair.radius[i] ** 2
                 linear[i] = sign * total / pair.mass[i]
-                angular[i] = at["arms"][i] / inertia * np.cross(at["n"], at["force"])
+                angular[i] = at["arms"][i] / inertia * cross(at["n"], at["force"])
         return linear, angular
 
     def drive(self, at: dict[str, Any], linear: Vector, angular: Vector) -> tuple[Vector, float]:
@@ -129,9 +150,7 @@ class Motion:
         roll_rate = arms[0] * angular[0] + arms[1] * angular[1]
         roll_rate = roll_rate - at["rate"] * (shares[0] * spin[0] + shares[1] * spin[1])
         # d/dt of g_t = v_t − roll×n, projected on the tangent plane; v_t = v + ξ̇ n, d(ξ̇ n)/dt adds ξ̇ dn/dt.
-        g_rate = (
-            relative + at["rate"] * at["turning"] - np.cross(roll_rate, n) - np.cross(roll, at["turning"])
-        )
+        g_rate = relative + at["rate"] * at["turning"] - cross(roll_rate, n) - cross(roll, at["turning"])
         g_rate -= (g_rate @ n) * n
         level = max(at["level"], 1e-300)
         h = at["stiffness"] * at["g"] + at["damping"] * g_rate
@@ -139,7 +158,7 @@ class Motion:
         h = h + 0.5 * m * at["rate"] / level * at["elastic"]
         acceleration = -(relative @ n) - np.dot(at["turning"], at["turning"]) / max(self._per_r(at), 1e-300)
         growth = self.pair.force_growth(at["depth"], at["rate"], acceleration)
-        size = np.linalg.norm(at["force"])
+        size = norm(at["force"])
         f = at["force"] / size if size > 0.0 else at["g"] * 0.0
         return h, float(h @ f - terms.coefficient * growth)
 
@@ -163,6 +182,9 @@ class Motion:
         return (-none - self.yielding(y) / self.size) / (whole - none) if whole > max(0.0, none) else np.inf
 
     def __call__(self, _: float, y: Vector) -> Vector:
+        self.evaluations += 1
+        if self.evaluations > MAX_EVALUATIONS:
+            raise TooCostlyError
         if self.part is not None:
             self.part = self.following_part(y)
         return self.rates(y)
@@ -177,7 +199,7 @@ class Motion:
             rate = rate + 0.5 * m * at["rate"] / at["level"] * at["elastic"]
         if self.slips and terms.stiffness > 0.0 and self.kept is None:
             _, excess = self.drive(at, linear, angular)
-            rate = rate - excess * at["force"] / np.linalg.norm(at["force"])
+            rate = rate - excess * at["force"] / norm(at["force"])
         rate = rate - (at["elastic"] @ at["turning"]) * n
         return np.concatenate([y[6:12], linear.ravel(), angular.ravel(), rate])
 
@@ -201,7 +223,8 @@ def integrate(
             max_step=0.04 * duration,
             **TOLERANCE,
         )
-        assert run.success, run.message
+        if not run.success:  # steps as small as the spacing of numbers
+            raise TooCostlyError
         which = next(i for i, times in enumerate(run.t_events) if len(times))
         t, y = float(run.t_events[which][0]), run.y_events[which][0].copy()
         event, at = names[which], motion.pieces(y)
@@ -211,13 +234,13 @@ def integrate(
             motion.unloads = True
             continue
         if event == "negligible":
-            motion.kept = at["force"] / np.linalg.norm(at["force"])
+            motion.kept = at["force"] / norm(at["force"])
             continue
         if event == "hold":
             motion.part = None
             continue
         if event == "stick":
-            motion.slips, motion.part = False, None
+            motion.slips, motion.part, motion.armed = False, None, t + 1e-6 * duration
             if terms.stiffness > 0.0 and terms.limit == 1 and terms.damping > 0.0:
                 part = motion.following_part(y)
                 motion.part = part if part < 1.0 else None
@@ -232,7 +255,7 @@ def first_surfaces(motion: Motion, y: Vector, duration: float) -> tuple[bool, Ve
     """Whether the surfaces slip at touch; the state then, a little later if the normal force starts from zero."""
     pair, terms = motion.pair, motion.pair.terms
     at = motion.pieces(y)
-    mu, speed = terms.coefficient, float(np.linalg.norm(at["g"]))
+    mu, speed = terms.coefficient, norm(at["g"])
     if speed == 0.0 or mu == np.inf:
         return False, y, 0.0
     depth = INSTANT * duration * at["rate"]
@@ -246,7 +269,8 @@ def first_surfaces(motion: Motion, y: Vector, duration: float) -> tuple[bool, Ve
     limit = mu * pair.normal_force(
         depth if pair.powers[1] > 0 or pair.coefficients[1] == 0 else 0.0, at["rate"]
     )
-    if at["normal"] > 0.0:
+    first = pair.normal_force(0.0, at["rate"])  # the depth at touch may be a rounding error
+    if first > 0.0:
         spring = 0.0
     if spring + damping * speed <= limit:
         return False, y, 0.0
@@ -254,18 +278,18 @@ def first_surfaces(motion: Motion, y: Vector, duration: float) -> tuple[bool, Ve
         return True, y, 0.0
     y = y.copy()
     start = 0.0
-    if at["normal"] == 0.0:  # a little later
+    if first == 0.0:  # a little later
         start = INSTANT * duration
         y[:6] += start * y[6:12]
         at = motion.pieces(y)
     motion.slips = True
     for sign in (1.0, -1.0):  # a history that grows with the contact radius may drive the surfaces
-        f = sign * at["g"] / np.linalg.norm(at["g"])
+        f = sign * at["g"] / norm(at["g"])
         y[18:21] = mu * at["normal"] * f - (at["damping"] * at["g"] if terms.limit == 0 else 0.0)
         now = motion.pieces(y)
         if motion.drive(now, *motion.accelerations(now))[1] > 0.0:
             return True, y, start
-    f = at["g"] / np.linalg.norm(at["g"])
+    f = at["g"] / norm(at["g"])
     y[18:21] = mu * at["normal"] * f - (at["damping"] * at["g"] if terms.limit == 0 else 0.0)
     motion.slips = False
     return False, y, start
@@ -283,15 +307,17 @@ def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[An
     def turn(_: float, y: Vector) -> float:
         return motion.pieces(y)["rate"]
 
-    def grip(_: float, y: Vector) -> float:
+    def grip(t: float, y: Vector) -> float:
         at = motion.pieces(y)
+        if t < motion.armed:
+            return 1.0
         limited = at["elastic"] if terms.limit == 1 and terms.stiffness > 0.0 else at["force"]
-        return terms.coefficient * at["normal"] - float(np.linalg.norm(limited))
+        return terms.coefficient * at["normal"] - norm(limited)
 
     def slipping(_: float, y: Vector) -> float:
         at = motion.pieces(y)
         if terms.stiffness == 0.0:
-            return at["damping"] * float(np.linalg.norm(at["g"])) - terms.coefficient * at["normal"]
+            return at["damping"] * norm(at["g"]) - terms.coefficient * at["normal"]
         return motion.drive(at, *motion.accelerations(at))[1]
 
     def negligible(_: float, y: Vector) -> float:

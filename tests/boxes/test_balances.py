@@ -39,9 +39,9 @@ def moving_wall(random: np.random.Generator) -> hl.MovingWall:
     return hl.MovingWall(amplitude, frequency, str(waveform), random.uniform(-3.0, 3.0), velocity=drift)
 
 
-def box_of(seed: int) -> hl.ParticleSystem:
+def box_of(seed: int, rubs: bool = False) -> hl.ParticleSystem:
     """Periodic, walled and sheared axes; walls at rest and moving; gravity; heat; particles of like and unlike size and
-    mass, or a single one."""
+    mass, or a single one. If grains rub: with spins, and heat of the spins."""
     random = np.random.default_rng(seed)
     d, n = int(random.integers(2, 4)), int(random.choice([1, 20, 30, 60], p=[0.1, 0.3, 0.3, 0.3]))
     walled, gradient = random.random(d) < 0.5, int(random.integers(1, 2 * d))  # no shear from d on
@@ -61,11 +61,16 @@ def box_of(seed: int) -> hl.ParticleSystem:
         random.choice(["", "", "kicks", "kicks" if sheared else "bath"]),
         random.choice([3e-4, 1e-3]),
     )
+    spinning = {"rotational": random.choice([5e-4, 3e-3])} if rubs and seed % 2 else {}
     if n > 1 and heat == "kicks":
-        drive["thermostat"] = hl.RandomKicks(power=1e-3, interval=interval, seed=seed)
+        drive["thermostat"] = hl.RandomKicks(power=1e-3, interval=interval, seed=seed, **spinning)
     elif n > 1 and heat == "bath":
         gravity[~walled] = 0.0  # a bath at rest is refused where all fall
-        drive["thermostat"] = hl.Andersen(temperature=0.03, rate=200.0, interval=interval, seed=seed)
+        drive["thermostat"] = hl.Andersen(
+            temperature=0.03, rate=200.0, interval=interval, seed=seed, **spinning
+        )
+    if rubs and walled.any():
+        gravity[~walled] = 0.0  # as are walls that rub
     radius = [1e-3, (0.7e-3, 1.4e-3), (0.5e-3, 1e-3)][random.integers(3)]
     filled = random.uniform(0.05, 0.22 if n < 60 else 0.4) if n > 1 else 0.01
     system = hl.ParticleSystem.random(
@@ -78,10 +83,12 @@ def box_of(seed: int) -> hl.ParticleSystem:
         boundary=boundary,
         gravity=gravity,
         seed=seed,
+        rms_spin=200.0 if rubs else None,
         **drive,
     )
     if sheared:
-        system = displaced(system, random.random())
+        smooth = system.replace(thermostat=None) if rubs else system  # heat of spins needs friction
+        system = displaced(smooth, random.random()).replace(thermostat=system.thermostat)
     if n == 1:
         system = system.replace(velocities=random.normal(0.0, 0.3, (1, d)))
     return system.replace(mass=system.mass * 10.0 ** (random.choice([0.0, 0.0, 2.0]) * random.random(n)))
@@ -126,6 +133,32 @@ def test_energy_and_momentum(name: str, seed: int, law: hl.Law) -> None:
         assert (now.positions[:, axis] > low + inside).all() and (
             now.positions[:, axis] < high - inside
         ).all()
+
+
+#: Solvers of grains that rub: arguments, which a drawn law completes.
+RUBBING: dict[str, dict[str, Any]] = {
+    "constant, restitution": {"friction": 0.4, "tangential_restitution": 0.5},
+    "tc, restitution": {"friction": 0.4, "tangential_restitution": 0.5},
+    "law, law": {},
+    "soft, law": {},
+    "events": {},
+    "steps": {},
+}
+
+
+@pytest.mark.parametrize("name", RUBBING)
+@draws(60, few=4)
+@given(seed=st.integers(0, 2**20), law=st.sampled_from(LAWS))
+def test_energy_of_grains_that_rub(name: str, seed: int, law: hl.Law) -> None:
+    rough = law.replace(friction=hl.Friction(0.5, stiffness_ratio=0.8))
+    run = run_of(name, box_of(seed, rubs=True), rough, 0.01, samples=4, **RUBBING[name])
+    if run.outcome_name != "ok":
+        assert run.outcome_name in ("too_deep", "collapse", "at_rest")
+        return
+    assert run.series.rotational_energy.min() > 0.0
+    assert energy_error(run) <= ENERGY.get(name, 1e-11)
+    lost = np.diff(run.series.dissipated_energy)
+    assert name.startswith("soft") or lost.min() >= -1e-12 * np.abs(energies(run)).max()
 
 
 def test_a_wall_contact_that_is_cut_short_keeps_the_energy() -> None:

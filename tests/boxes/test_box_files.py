@@ -376,8 +376,8 @@ def test_bad_values_in_a_file(tmp_path, suffix):
 
 
 BAD = {".xyz": {
-    "no columns": ("Properties=", "Columns=", "Properties: must contain pos:R:3, velo:R:3"),
-    "no radius": (":radius:R:1", ":size:R:1", "Properties: must contain"),
+    "no columns": ("Properties=", "Columns=", "Properties: must contain pos:R:3, and may contain velo:R:3"),
+    "no radius": (":radius:R:1", ":size:R:1", "radius: missing in the file; radius= gives it"),
     "wide": ("pos:R:3", "pos:R:x", "Properties: got"),
     "no cell": ("Lattice=", "Cell=", "Lattice: got nothing, must be 9 numbers"),
     "tilted": ('Lattice="0.006 0.0', 'Lattice="0.006 0.1', "Lattice | Origin: must be a box along the axes"),

@@ -101,16 +101,19 @@ def engine_of(case: dict[str, Any], law: hl.Law) -> _core.Engine:
     return _core.make_engine("newton_events", box, *arrays, **arguments)
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case["kind"] for case in CASES])
-def test_reference_boxes(case: dict[str, Any]) -> None:
-    """Every contact of the reference, and the state and energies at its end."""
+def law_of(case: dict[str, Any]) -> hl.Law:
     friction = hl.Friction(
         math.inf if case["friction"] is None else case["friction"],
         stiffness=case["tangential_stiffness"],
         damping=case["tangential_damping"],
     )
-    law = linear(friction, case["restitution"], case["stiffness"])
-    run = engine_of(case, law)
+    return linear(friction, case["restitution"], case["stiffness"])
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["kind"] for case in CASES])
+def test_reference_boxes(case: dict[str, Any]) -> None:
+    """Every contact of the reference, and the state and energies at its end."""
+    run = engine_of(case, law_of(case))
     run.advance(case["until"])
     log, still_open = run.take_log(), run.open_contacts()
     contacts = sorted(
@@ -137,6 +140,49 @@ def test_reference_boxes(case: dict[str, Any]) -> None:
 
 
 ROW = ("begin", "end", "first", "second")
+
+
+def alone(row: list[Any], rows: list[list[Any]]) -> bool:
+    """Whether no body of this contact is in another one meanwhile."""
+    begin, end, *bodies = row[:4]
+    return not any(
+        other is not row
+        and other[0] < end
+        and (other[1] or math.inf) > begin
+        and {body for body in bodies if body >= 0} & set(other[2:4])
+        for other in rows
+    )
+
+
+@pytest.mark.parametrize("kind", ["oblique 2-D", "oblique 3-D", "superball", "gas"])
+def test_reference_counts_of_stick_and_slip(kind: str) -> None:
+    """How often the surfaces change between stick and slip in isolated contacts; 3 at most."""
+    compared = 0
+    for case in (case for case in CASES if case["kind"] == kind):
+        law = law_of(case)
+        run, space = engine_of(case, law), ((0, 0), (0, 3 - case["dimension"]))
+        balls = [
+            hl.Ball(radius, mass=mass, inertia_factor=case["inertia_factor"])
+            for radius, mass in zip(case["radius"], case["mass"], strict=True)
+        ]
+        rows = sorted(case["contacts"])
+        for row in rows:
+            begin, end, i, j, changes = row
+            if end is None or not alone(row, rows):
+                continue
+            run.advance(begin * (1.0 - 1e-12))
+            (x, v), spins = (np.pad(a, space) for a in run.state()), run.spins()
+            if j < 0:
+                normal = np.eye(3)[(-j - 1) // 2] * (1.0 if j % 2 == 0 else -1.0)
+                other = {"other": hl.FLOOR, "spins": spins[i]}
+            else:
+                box = np.pad(case["box"], space[1], constant_values=math.inf)
+                normal = x[j] - x[i] - np.round((x[j] - x[i]) / box) * np.where(np.isfinite(box), box, 0.0)
+                other = {"other": balls[j], "other_velocity": v[j], "spins": spins[[i, j]]}
+            impact = hl.oblique_impact(balls[i], law=law, velocity=v[i], normal=normal, **other)
+            assert impact.transitions == changes
+            compared += 1
+    assert compared == {"oblique 2-D": 1, "oblique 3-D": 1, "superball": 7, "gas": 9}[kind]
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.5])

@@ -631,3 +631,25 @@ def test_nothing_moves_in_no_time():
     system = mixed(8, 2, "periodic", 0.0)
     run = by_lammps(system, SOFT, 0.0, log=True)
     assert run.n_contacts == 0 and run.system == system and run.time == 0.0 and run.series.sizes["time"] == 1
+
+
+def test_steps_per_contact_with_friction_are_those_of_the_docs():
+    """The table of docs/lammps.md; they follow from the scheme of LAMMPS, which does not run here."""
+    text = (Path(__file__).parents[2] / "docs" / "lammps.md").read_text(encoding="utf-8")
+    rows = [
+        line
+        for line in text.partition("(lammps-friction)=")[2].partition("## What")[0].splitlines()
+        if line.startswith("| 1e-")
+    ]
+    frictions = [hl.Friction(0.5), hl.Friction(0.5, stiffness_ratio=0.9)]
+    bare = hl.Friction(0.5, damping_ratio=1.0, model="none")
+    cases = [(0.9, friction) for friction in (*frictions, bare)] + [(0.5, friction) for friction in frictions]
+    for row in rows:
+        error, *listed = (float(word) for word in row.strip("| ").split("|"))
+        for (restitution, friction), steps in zip(cases, listed, strict=True):
+            law = hl.LinearDashpot(stiffness=1e5, restitution=restitution, friction=friction)
+            touch = contacts.contact(law, 1e-5, 5e-4)
+            longest = integration_error.LongestStep(law.record["powers"], 0.4)
+            duration = float(touch.duration(np.ones(1))[0])
+            assert duration / longest(touch, 1.0, error) == pytest.approx(steps, abs=0.51)
+    assert len(rows) == 2

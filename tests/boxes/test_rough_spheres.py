@@ -2,13 +2,14 @@
 
 import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import hardlimit as hl
-from conftest import DATA
+from conftest import DATA, output_of
 from hardlimit.boxes.theory import Gas
 
 CASES = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["event_driven"]
@@ -246,6 +247,45 @@ def test_resumed_run(rule: str, tmp_path: Any) -> None:
     assert np.array_equal(whole.system.velocities, resumed.system.velocities)
     assert np.array_equal(spins(whole), spins(resumed))
     assert float(whole.series.friction_loss[-1]) == float(resumed.series.friction_loss[-1])
+
+
+def test_elastic_grains_that_rub_may_collapse_for_the_rule() -> None:
+    """Then the advice is another rule; without friction there is no room at ε = 1."""
+    rough = {"friction": 0.5, "tangential_restitution": 0.3}
+    for surfaces, key in (({}, "no_room"), (rough, "collapse")):
+        run = hl.event_driven(start(), restitution=1.0, max_collisions=3, **surfaces)
+        object.__setattr__(run, "outcome_name", "collapse")
+        assert run.outcome == run.outcomes[key]
+
+
+@pytest.mark.slow
+def test_tables_in_two_numbers(tmp_path: Path) -> None:
+    """Hertz contacts: the error is 5e-8; without tables it would be 0."""
+    lines = output_of("boxes/tangential_surface.cpp", tmp_path, "-Wno-psabi").splitlines()
+    assert len(lines) == 6
+    for contacts, worst, other_slip in (map(float, line.split()) for line in lines):
+        assert contacts == 1000 and 0.0 < worst < 1e-7 and other_slip == 0
+
+
+@pytest.mark.slow
+def test_a_long_run_uses_tables_and_resumes(tmp_path: Path) -> None:
+    """From 30000 collisions on. More than 16 sizes, which share a table."""
+    system = start(40, 0.3, radius=(0.8e-3, 1.2e-3), rms_speed=1.0)
+    settings = {"law": SLOW_IMPACT, "log": True}
+    whole = hl.event_driven(system, **settings, max_collisions=31_500)
+    hl.event_driven(system, **settings, max_collisions=31_000, checkpoint=tmp_path / "run")
+    resumed = hl.resume(tmp_path / "run", max_collisions=31_500)
+    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
+    log = whole.collisions.isel(collision=slice(-60, None))
+    errors = []
+    for row in range(60):
+        bodies = [int(log[side][row]) for side in ("first", "second")]
+        balls = [hl.Ball(float(system.radius[i]), mass=float(system.mass[i])) for i in bodies]
+        impact = SLOW_IMPACT.between(*balls).impact(
+            float(log.impact_speed[row]), float(log.tangential_speed[row])
+        )
+        errors.append(abs(float(log.tangential_restitution[row]) - impact.tangential_restitution))
+    assert max(errors) < 1e-7 and np.median(errors) > 1e-14
 
 
 # --- theory -------------------------------------------------------------------------------------------------

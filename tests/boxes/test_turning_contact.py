@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frictional_motion import Motion, Pair, integrate
-from hypothesis import assume, given
+from frictional_motion import Motion, Pair, TooCostlyError, integrate
+from hypothesis import assume, given, reject
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -145,31 +145,44 @@ def independent(draw: Draw) -> tuple[np.ndarray, float, list[tuple[float, bool]]
     return integrate(*at_touch(draw), draw.normal, draw.duration)
 
 
-@draws(20, few=3)
-@given(SEEDS)
-def test_against_an_independent_integration(seed: int) -> None:
-    draw = drawn(seed)
-    assume(draw.law.friction.coefficient > 0.0)
+def deviations(draw: Draw) -> dict[str, float]:
+    """Largest differences from SciPy's integration, in units of the duration and the speeds."""
     impact = draw.impact()
     end, duration, _ = independent(draw)
     start = np.array(
         [np.zeros(3), (1.0 if draw.other is hl.FLOOR else draw.ball.radius + draw.other.radius) * draw.normal]
     )
-    scale = draw.speed
-    assert impact.duration == pytest.approx(duration, abs=1e-9 * draw.duration)
-    np.testing.assert_allclose(impact.velocities, end[6:12].reshape(2, 3), atol=1e-9 * scale, rtol=0)
-    np.testing.assert_allclose(impact.spins, end[12:18].reshape(2, 3), atol=1e-9 * scale, rtol=0)
-    moved = end[:6].reshape(2, 3) - start
-    np.testing.assert_allclose(impact.displacements, moved, atol=1e-9 * scale * draw.duration, rtol=0)
+    moved = impact.displacements - (end[:6].reshape(2, 3) - start)
+    differences = {
+        "velocity": impact.velocities - end[6:12].reshape(2, 3),
+        "spin": impact.spins - end[12:18].reshape(2, 3),
+        "displacement": moved / draw.duration,
+    }
+    sizes = {name: float(np.abs(value).max()) / draw.speed for name, value in differences.items()}
+    return {"duration": abs(impact.duration - duration) / draw.duration, **sizes}
+
+
+@draws(100, few=5)
+@given(SEEDS)
+def test_against_an_independent_integration(seed: int) -> None:
+    """``tools/compare_turning_contact.py`` does this for thousands of draws."""
+    draw = drawn(seed)
+    assume(draw.law.friction.coefficient > 0.0)
+    try:
+        sizes = deviations(draw)
+    except TooCostlyError:
+        reject()
+    assert max(sizes.values()) < 2e-9  # 1.1e-9 in 1 of 840 draws
 
 
 @pytest.mark.slow
 def test_series_against_the_general_method(tmp_path: Path) -> None:
     """Under a linear law: largest differences of 3000 contacts, relative to the speeds; both methods err by 1e-11."""
     words = output_of("boxes/turning_series.cpp", tmp_path).split()
-    compared, left, duration, motion, balance, many = map(float, words)
+    compared, left, duration, motion, balance, many, near_the_end = map(float, words)
     assert compared > 2900 and left < 100
     assert duration < 3e-12 and motion < 2e-10 and balance < 2e-12 and many < 30
+    assert near_the_end < 1e-8
 
 
 class Driven(Motion):
@@ -513,6 +526,11 @@ def test_too_deep() -> None:
             },
             "damping: got it with the model",
         ),
+        (
+            {"velocity": (0.0, 0.0, -1e160)},
+            "spins: got a kinetic energy of inf J, must be in [1e-290, 1e+300]",
+        ),
+        ({"velocity": (0.0, 0.0, -1e-160)}, "J, must be in [1e-290, 1e+300]"),
     ],
 )
 def test_refusals(arguments: dict[str, Any], words: str) -> None:

@@ -1,10 +1,11 @@
 // Contacts with friction under a linear law by power series and by the general method: prints how many were compared,
 // how many the series left to the other method, the largest differences of duration, velocity and spin, and of the
-// balance of energy, and how many velocities differ by more than 1e-11.
+// balance of energy, how many velocities differ by more than 1e-11, and the largest difference of states near the end.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
+#include <vector>
 
 #include "boxes/binary_contact/turning_contact.hpp"
 #include "contact/linear_dashpot.hpp"
@@ -63,12 +64,37 @@ double imbalance(const TurningApproach& a, const TurningContact& e) {
     return math::abs(energy(e.velocity, e.spin) + taken - before) / before;
 }
 
+// States at these times, in ascending order.
+template <class Method>
+std::vector<TurningState> states(const Contact& c, const std::vector<double>& times) {
+    std::vector<TurningState> path;
+    Method(c.law, c.touch).integrate([&](auto& run) {
+        while (path.size() < times.size() && times[path.size()] <= run.end_time())
+            path.push_back(run.at(times[path.size()]));
+    });
+    return path;
+}
+// The largest difference of velocities and spins, and of the forces in units of those at half the time.
+double apart_near_the_end(const Contact& c, double duration) {
+    std::vector<double> times{0.5 * duration};
+    for (const double left : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4}) times.push_back(duration * (1.0 - left));
+    const auto a = states<TurningSeries<Law>>(c, times), b = states<TurningSolver<Law>>(c, times);
+    double largest = a.size() == times.size() && b.size() == times.size() ? 0.0 : math::infinity;
+    for (std::size_t i = 0; i < math::min(a.size(), b.size()); ++i) {
+        largest = math::max(largest, difference(a[i].velocity, b[i].velocity));
+        largest = math::max(largest, difference(a[i].spin, b[i].spin));
+        const double force = difference(a[i].tangential_force, b[i].tangential_force);
+        largest = math::max(largest, force / math::max(b[0].normal_force, b[i].normal_force));
+    }
+    return largest / (size(c.touch.velocity) + size(c.touch.spin));
+}
+
 }  // namespace
 
 int main(int, char** arguments) {
     const int count = arguments[1] ? std::atoi(arguments[1]) : 3000;
     int compared = 0, left = 0, many = 0;
-    double duration = 0.0, motion = 0.0, balance = 0.0;
+    double duration = 0.0, motion = 0.0, balance = 0.0, path = 0.0;
     for (int i = 0; i < count; ++i) {
         const Contact c = any_contact();
         const TurningContact whole = TurningSolver<Law>(c.law, c.touch).integrate([](const auto&) {});
@@ -84,6 +110,7 @@ int main(int, char** arguments) {
         duration = math::max(duration, math::abs(end.duration / whole.duration - 1.0));
         motion = math::max(motion, off);
         balance = math::max(balance, imbalance(c.touch, end));
+        path = math::max(path, apart_near_the_end(c, whole.duration));
     }
-    std::printf("%d %d %.3g %.3g %.3g %d\n", compared, left, duration, motion, balance, many);
+    std::printf("%d %d %.3g %.3g %.3g %d %.3g\n", compared, left, duration, motion, balance, many, path);
 }

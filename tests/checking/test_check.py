@@ -799,7 +799,7 @@ KEYS = {
     "numerical_damping": float | None, "stages": list, "dump": list, "checked": list, "ignored": list,
     "invalidates": list, "unknown": list, "missing": list, "remarks": list, "corrected": list,
     "admissible": bool | None, "question": str, "sentence": str, "quantity": str | None, "restitution_error": float,
-    "speeds_chosen": bool, "warnings": list, "inferred": list,
+    "speeds_chosen": bool, "warnings": list, "inferred": list, "state": dict,
 }  # fmt: skip
 MAYBE = float | None
 CONTACT = {
@@ -1272,10 +1272,10 @@ def with_friction(code: str, mu: float, wall: float, stiffness: float, restituti
     ),
     drive=st.sampled_from([{}, {}, {"power": 1e-7}, {"shear_rate": 50.0}]),
 )
-def test_with_friction_the_answer_is_never_yes_and_has_no_bar(
+def test_with_friction_an_answer_has_its_number_or_cannot_be_said(
     code, mu, wall, stiffness, restitution, options, drive
 ):
-    """Friction changes size and sign of the error; that of walls is not in the law either."""
+    """The error of the cooling is known with a tangential spring; that of walls that rub is not in the law."""
     options = {name: value for name, value in options.items() if not drive or name != "speed"}
     text = with_friction(code, mu, wall, stiffness, restitution)
     verdict = hl.check(text, **options, **drive)
@@ -1284,9 +1284,17 @@ def test_with_friction_the_answer_is_never_yes_and_has_no_bar(
     assert all(row.friction.coefficient == pytest.approx(mu, rel=1e-5) for row in pairs)
     known = [row for row in walls if code not in ("liggghts", "yade")]
     assert all(row.friction.coefficient == pytest.approx(wall) for row in known)
-    if any(row.friction.coefficient for row in verdict.rows):
+    if any(row.friction.coefficient for row in walls):
         assert verdict.admissible is not True
-    if mu > 0.0:
+    if mu > 0.0 and any(row.error for row in pairs):
+        assert code != "plain" and not drive and all(row.rule == "law" for row in pairs)
+        assert 0.5 <= 3.5 * pairs[0].friction.stiffness_ratio <= 7.0 and mu < 5.0
+        value, bar = pairs[0].error["law"]
+        if pairs[0].tc_nu <= 0.3:
+            assert "same friction" in verdict.sentence or "walls rub" in verdict.sentence
+            assert verdict.admissible is not (abs(value) + bar > 0.01)
+        assert bar > 0.0 and pairs[0].smooth_error < 0.0
+    elif mu > 0.0:
         last = [cells([row], False, verdict.quantity)[-1] for row in verdict.rows]
         assert "±" not in "".join([verdict.sentence, *last]) and "1 % takes" not in verdict.sentence
         assert not any(
@@ -1297,7 +1305,8 @@ def test_with_friction_the_answer_is_never_yes_and_has_no_bar(
         assert verdict.admissible is (
             False if stuck or (known > 0.3 and "speeds" not in verdict.missing) else None
         )
-        assert stuck or known > 0.3 or verdict.unknown or "rub (μ = " in verdict.sentence
+        said = "rub (μ = " in verdict.sentence or "not known (give" in verdict.sentence
+        assert stuck or known > 0.3 or verdict.unknown or said
     elif not wall and code in ("linear", "plain"):
         smooth = re.sub(
             "tangential linear_.*? (0|0.4)( zplane|\n)", r"tangential linear_nohistory 0.0 0.0\2", text
@@ -1309,13 +1318,18 @@ def test_friction_in_words_and_numbers():
     """What of the answer stands without friction, and what still decides with it."""
     rough = with_friction("linear", 0.3, 0.0, 1e4, 0.7)
     verdict = hl.check(rough, speed=0.5, packing_fraction=0.2)
-    assert verdict.sentence.startswith(
-        "Cannot be said: grains 1–1 rub (μ = 0.3), and the error of the cooling is known "
-    )
-    assert "only without friction, where it is about 2.5 % (too fast) at t_c ν = 0.049" in verdict.sentence
+    assert verdict.admissible is False and verdict.sentence.startswith("No: event-driven cools 2.0 ± ")
+    assert "the same friction (rule law or constant with μ 0.3 and β0 0.2" in verdict.sentence
+    assert "without, it cools about 32 % too slowly" in verdict.sentence
     row = verdict.to_dict()["contacts"][0]
     smooth = hl.check(rough.replace("0.5 0.3", "0.5 0"), speed=0.5, packing_fraction=0.2)
-    assert row["friction"]["coefficient"] == 0.3 and row["error"] == {}
+    assert row["friction"]["coefficient"] == 0.3 and set(row["error"]) == {"law", "constant"}
+    hard = hl.check(
+        with_friction("linear", 0.3, 0.0, 1e4, 0.7).replace("0.5 0.3", "0.5 5"),
+        speed=0.5,
+        packing_fraction=0.2,
+    )
+    assert "not known with this friction; without it, it is about 2.5 % (too fast) at" in hard.sentence
     assert row["frictionless_error"] == pytest.approx(smooth.rows[0].error["constant"][0])
     assert smooth.admissible is False and "±" in smooth.sentence
     # Contacts that overlap in time, and whatever no event follows, decide all the same.

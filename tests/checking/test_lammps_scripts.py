@@ -784,6 +784,37 @@ def test_gravity_dimension_and_steps():
 
 
 @pytest.mark.parametrize(
+    "lines,expected",
+    [
+        ("fix a all gravity 3 vector 1 0 0\nfix b all gravity 4 vector 0 -1 0", (5.0, (0.6, -0.8, 0.0))),
+        ("fix a all gravity 3 vector 0 0 -1\nfix b all gravity 3 vector 0 0 1", (None, None)),
+        ("fix a one gravity 3 vector 0 0 -1\nfix b two gravity 3 vector 0 0 -1", (3.0, (0.0, 0.0, -1.0))),
+        (
+            "fix a one gravity 3 vector 0 0 -1\nfix b two gravity 4 vector 0 0 -1",
+            "fix b two gravity 4 vector 0 0 -1",
+        ),
+        (
+            "fix a one gravity 3 vector 0 0 -1\nfix b all gravity 3 vector 0 0 -1",
+            "fix b all gravity 3 vector 0 0 -1",
+        ),
+        (
+            "variable g equal ramp(0,9.81)\nfix a all gravity 3 vector 0 0 -1\nfix b all gravity v_g vector 0 0 -1",
+            "fix b all gravity v_g vector 0 0 -1",
+        ),
+    ],
+)
+def test_several_gravities_add_up(lines, expected):
+    """Unless they act on different grains: then one that differs is quoted."""
+    description = read(f"{BASE}group one type 1\ngroup two type 2\n{lines}\nrun 10\n")
+    if isinstance(expected, str):
+        assert [quote.text for quote in description.unknown] == [expected]
+    else:
+        stage = description.stages[0]
+        assert not description.unknown
+        assert stage.gravity == pytest.approx(expected[0]) and stage.down == pytest.approx(expected[1])
+
+
+@pytest.mark.parametrize(
     "line,what",
     [
         ("fix v all viscous 0.1", "viscous drag"),

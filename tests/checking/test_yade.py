@@ -294,6 +294,31 @@ def test_engines_of_motion_are_named():
     assert "hertzian" in read(facets).unknown[0].text
 
 
+def test_engines_that_are_dead_do_nothing_unless_they_are_revived():
+    lines = "O.engines += [PeriTriaxController(dead=True, label='triax')]\nO.run(1)\n{}O.run(1)\n"
+    pressed = [len(stage.pressed) for stage in read(script(rest=lines.format(""))).stages]
+    assert pressed == [0]
+    for revived in ("triax.dead = False\n", "def f():\n    triax.dead = 0\n"):
+        assert read(script(rest=lines.format(revived))).stages[-1].pressed
+    dead = "O.engines += [PeriTriaxController(label='triax')]\nO.run(1)\ntriax.dead = True\nO.run(1)\n"
+    assert [len(stage.pressed) for stage in read(script(rest=dead)).stages] == [1, 0]
+
+
+def test_additional_torques_displacements_and_scaled_masses_are_said():
+    for call in (
+        "addT(0, (0, 0, 1))",
+        "setPermT(0, (0, 0, 1))",
+        "addMove(0, (0, 0, 1))",
+        "addRot(0, (0, 0, 1))",
+    ):
+        (note,) = read(script(rest=f"O.forces.{call}\nO.run(1)\n")).invalidates
+        assert call.partition("(")[0] in note.what
+    (quote,) = read(script(integrator="damping=0, densityScaling=True")).unknown
+    assert "densityScaling" in quote.text
+    (quote,) = read(script(rest="O.bodies[0].state.densityScaling = 2\nO.run(1)\n")).unknown
+    assert "densityScaling" in quote.text
+
+
 def test_stages_and_labels():
     """Labels of engines are names; a change at the integrator is a new stage."""
     text = script(

@@ -143,3 +143,33 @@ def test_completion(words: list[str], offered: set[str]) -> None:
     env = variables | {"_HARDLIMIT_COMPLETE": "bash_complete"}
     completed = CliRunner().invoke(main, prog_name="hardlimit", env=env)
     assert set(completed.stdout.split()) == offered
+
+
+DUMPS = Path(__file__).parents[1] / "boxes" / "data" / "dumps"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_a_dump_whose_grains_overlap() -> None:
+    """Refused in one line with the largest overlap and the option; accepted with it, and said."""
+    options = [EXAMPLES / "dump.gas.gz", "--stiffness", 2e3, "--frame", 1, "--models", "law", *FAST]
+    message = refused("gas", "compare", *options)
+    assert "overlap, gap -0.000" in message and "; --allowed-overlap accepts more, 0." in message
+    needed = message.rpartition(" accepts more, ")[2].partition(" here")[0]
+    output = printed("gas", "compare", *options, "--allowed-overlap", needed, "--replicas", 2)
+    system = hl.ParticleSystem.read(options[0], frame=1, allowed_overlap=0.4)
+    law = hl.LinearDashpot(stiffness=2e3, restitution=0.9)
+    stored = hl.molecular_dynamics(system, law=law, until=0.0).series.contact_energy.values[0]
+    assert output["energy_of_overlaps"] == pytest.approx(stored / system.kinetic_energy) and stored > 0.0
+    assert output["largest_overlap"] == pytest.approx(float(needed), rel=1e-5)
+    assert output["system"] == repr(system)
+
+
+def test_walls_and_gravity_around_a_dump() -> None:
+    """There is one replica, because the state is no gas."""
+    bed = [DUMPS / "bed.liggghts", "--allowed-overlap", 0.01, "--gravity", 9.81, "--stiffness", 2e3]
+    walls = [word for side in ("wall", "periodic", "wall") for word in ("--boundary", side)]
+    text = run("gas", "compare", *bed, *walls, "--models", "law", *FAST).stdout
+    assert "x wall, y periodic, z wall" in text and "energy of the overlaps / kinetic" in text
+    assert "one replica has no error bars" in " ".join(text.split())
+    dense = refused("gas", "compare", EXAMPLES / "dump.bed", "--allowed-overlap", 0.01, *FAST)
+    assert "density: missing in the file; --density gives it" in dense

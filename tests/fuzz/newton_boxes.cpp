@@ -20,8 +20,7 @@ using Draw = fuzz::Draw<fuzz::Bytes>;
 // smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
-    std::vector<double> v;              // [N d]
-    std::vector<double> spin, inertia;  // [3 N], [N] q of the moments of inertia
+    std::vector<double> v;  // [N d]
     LawChoice choice;
     PairLaws<Law> laws;
     double energy = 0.0, momentum = 0.0;  // upper bounds [J], [kg m/s]
@@ -62,31 +61,11 @@ struct Case : fuzz::SmallBox {
         momentum = 3.0 * total * fast;
         if (draw.below(2) == 0) add_friction(draw, fast);
     }
-    // Spins with at most the energy of the velocities; some are zero, denormal or have equal components.
     void add_friction(Draw& draw, double fast) {
-        Friction& f = choice.friction;
-        f.coefficient = draw.often({math::infinity, 1.0, 0.5}, [&] { return draw.decades(1e-4, 10.0); });
-        f.limit = draw.below(2) == 0 ? SlipLimit::total : SlipLimit::spring;
-        f.damping_ratio = draw.often({0.0, 0.0, 1.0}, [&] { return draw.decades(1e-3, 2.0); });
-        if (draw.below(8) == 0) {
-            f.model = FrictionModel::none;
-        } else {
-            f.model =
-                Law::onset_power == 1 ? FrictionModel::spring : static_cast<FrictionModel>(1 + draw.below(4));
-            f.stiffness_ratio = draw.often({2.0 / 7.0, 1.0, 0.5}, [&] { return draw.decades(0.05, 2.0); });
-            if (f.limit == SlipLimit::spring)
-                f.damping_ratio = 0.0;  // the engine is not given jumps of a force
-        }
-        spin.assign(3 * s.n, 0.0);
-        for (std::size_t i = 0; i < s.n; ++i) {
-            inertia.push_back(draw.often({0.4, 0.5, 1.0}, [&] { return draw.between(0.05, 1.0); }));
-            const double most = fast / (math::sqrt(inertia[i]) * radius[i]);
-            for (std::size_t k = s.box.dimension == 2 ? 2 : 0; k < 3; ++k)
-                spin[3 * i + k] =
-                    most * draw.often({0.0, 1.0, -1.0, 1e-310}, [&] { return draw.between(-1.0, 1.0); });
-        }
-        s.angular_velocity = spin.data();
-        s.inertia_factor = inertia.data();
+        Friction& f = choice.friction = fuzz::some_friction(draw, Law::onset_power == 1);
+        if (f.limit == SlipLimit::spring && f.model != FrictionModel::none)
+            f.damping_ratio = 0.0;  // the engine is not given jumps of a force
+        add_spins(draw, fast);
     }
 
     Law law(std::int64_t i, std::int64_t j) const { return laws(i, j); }

@@ -16,6 +16,22 @@ namespace hardlimit::fuzz {
 template <int lanes>
 constexpr hardlimit_abi::TouchKernels kernels = boxes::touch_kernels<typename Vector<lanes>::Real>("fuzz");
 
+// μ, model, limit and k_t of a law of this kind; 0.0 or more of the damping of the normal force.
+template <class Source>
+Friction some_friction(Draw<Source>& draw, bool linear) {
+    Friction f;
+    f.coefficient = draw.often({math::infinity, 1.0, 0.5}, [&] { return draw.decades(1e-4, 10.0); });
+    f.limit = draw.below(2) == 0 ? SlipLimit::total : SlipLimit::spring;
+    f.damping_ratio = draw.often({0.0, 0.0, 1.0}, [&] { return draw.decades(1e-3, 2.0); });
+    if (draw.below(8) == 0) {
+        f.model = FrictionModel::none;
+        return f;
+    }
+    f.model = linear ? FrictionModel::spring : static_cast<FrictionModel>(1 + draw.below(4));
+    f.stiffness_ratio = draw.often({2.0 / 7.0, 1.0, 0.5}, [&] { return draw.decades(0.05, 2.0); });
+    return f;
+}
+
 // LawChoice for a law with these parameters.
 template <class Law>
 boxes::LawChoice law_choice(const Material<Law>& material) {
@@ -35,7 +51,8 @@ boxes::LawChoice law_choice(const Material<Law>& material) {
 struct SmallBox {
     boxes::System s{};
     std::vector<double> position, velocity, radius, mass;
-    double large, speed;  // upper bounds on radii [m] and velocity components [m/s]
+    std::vector<double> spin, inertia;  // of add_spins: [3 N], [N] q of the moments of inertia
+    double large, speed;                // upper bounds on radii [m] and velocity components [m/s]
 
     // most_places: largest number of lattice sites along an axis. least_edge: smallest periodic edge, in largest radii.
     template <class Source>
@@ -77,6 +94,21 @@ struct SmallBox {
     SmallBox& operator=(const SmallBox&) = delete;
 
     bool wide;  // kernel with 8 lanes; otherwise 2
+
+    // Spins with at most the energy of this speed; some are zero, denormal or have equal components.
+    template <class Source>
+    void add_spins(Draw<Source>& draw, double fast) {
+        spin.assign(3 * s.n, 0.0);
+        for (std::size_t i = 0; i < s.n; ++i) {
+            inertia.push_back(draw.often({0.4, 0.5, 1.0}, [&] { return draw.between(0.05, 1.0); }));
+            const double most = fast / (math::sqrt(inertia[i]) * radius[i]);
+            for (std::size_t k = s.box.dimension == 2 ? 2 : 0; k < 3; ++k)
+                spin[3 * i + k] =
+                    most * draw.often({0.0, 1.0, -1.0, 1e-310}, [&] { return draw.between(-1.0, 1.0); });
+        }
+        s.angular_velocity = spin.data();
+        s.inertia_factor = inertia.data();
+    }
 
 private:
     double together[3] = {}, apart = 1.0;

@@ -741,6 +741,8 @@ READERS: dict[str, Callable[[str], Any]] = {
     "ParticleSystem.read, xyz": lambda path: hl.ParticleSystem.read(path + ".xyz"),
     "ParticleSystem.read, data": lambda path: hl.ParticleSystem.read(path + ".data"),
     "ParticleSystem.read, gsd": lambda path: hl.ParticleSystem.read(path + ".gsd"),
+    "ParticleSystem.read, dump": lambda path: hl.ParticleSystem.read(path + ".lammpstrj"),
+    "ParticleSystem.read_frames": lambda path: list(hl.ParticleSystem.read_frames(path + ".gz")),
     "read_measurements": hl.read_measurements,
     "resume": hl.resume,
     "load": lambda path: hl.load(path + ".nc"),

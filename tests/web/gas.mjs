@@ -169,11 +169,17 @@ export async function agrees(python, report, worlds) {
   const verdict =
     answer.gas && stopped
       ? "stopped"
-      : setting.restitution === 1
-        ? "elastic"
-        : !answer.gas
-          ? "elsewhere"
-          : answer.verdict;
+      : answer.outcomes[1] !== "ok"
+        ? "newton-stopped"
+        : setting.restitution === 1
+          ? newton.ended === 0
+            ? "elastic-begins"
+            : newton.overlapped > 0.01 * newton.ended
+              ? "elastic-differs"
+              : "elastic-agrees"
+          : !answer.gas
+            ? "elsewhere"
+            : answer.verdict;
   assert.equal(said.verdict, verdict, what);
   // The law makes no statement at ε = 1.
   assert.equal(said.range, setting.restitution < 1 ? answer.outside[0] : undefined, what);

@@ -235,10 +235,10 @@ test("the story: well formed for every step and setting", () => {
     for (const step of lib.steps)
       for (const guess of [null, 2.5])
         for (const gaps of [null, { touching: 0.9, best: 3.1, at: 0.02 }, { touching: NaN, best: NaN, at: 0 }])
-          for (const trusted of [null, Infinity, 0.0123])
+          for (const trusted of [null, ...[Infinity, NaN, -0.002, 0.0123].map((gap) => ({ gap, widest: 0.1 }))])
             for (const fall of ["before", "falling", "over"]) {
               const text = lib.joined(lib.story(step, { drop, report, guess, fall, gaps, trusted }));
-              assert.match(text, /^[A-Z].*[.?…]$/, text);
+              assert.match(text, /^[A-Z\d].*[.?…]$/, text);
               assert.doesNotMatch(text, /NaN|undefined|null|Infinity|  | [.,;]|\.\./, `${step}: ${text}`);
             }
     told++;

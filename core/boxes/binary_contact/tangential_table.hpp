@@ -5,7 +5,7 @@
 // stick and slip changes. Intervals of x are halved until polynomials of degree 15 (Chebyshev) have converged: the
 // smallest are those at kinks. An interval is filled when a collision first falls into it; its numbers do not depend on
 // the order of the collisions. The error of β is at most 1e-10; where halving does not reach this, and at x < 2^-17,
-// the contact itself is solved, as it is for contacts that depend on the speed.
+// the contact itself is solved. tangential_surface.hpp has the contacts that depend on the speed.
 #pragma once
 #include <vector>
 
@@ -38,6 +38,50 @@ struct SlipObserver {
     }
 };
 
+// The same without a table.
+inline TangentialResult solve_tangential(const contact::ScaledImpact& scaled) {
+    return contact::with_solution(scaled, [](auto& motion) -> TangentialResult {
+        SlipObserver observer;
+        if (!motion.run(observer)) return {math::nan, false};
+        return {1.0 - motion.state().slip, observer.slid};
+    });
+}
+
+// A spring of constant stiffness cannot give back more than it got.
+inline TangentialResult limited(TangentialResult r, const PowerTerm& stiffness) {
+    if (stiffness.power == 0) r.gain = math::clamp(r.gain, 0.0, 2.0);
+    return r;
+}
+
+inline TangentialResult solve_tangential(const contact::FrictionalContact& c, double speed, double slip) {
+    return limited(solve_tangential(c.scaled(speed, slip)), c.friction.stiffness);
+}
+
+// Coefficients of the polynomial of degree n through f[k] at y = cos(π k/n), in Chebyshev's polynomials of y; in place,
+// with this stride.
+template <int n>
+void to_chebyshev(double* f, std::size_t stride = 1) {
+    double c[n + 1];
+    for (int j = 0; j <= n; ++j) {
+        double sum = 0.5 * (f[0] + (j % 2 == 0 ? f[n * stride] : -f[n * stride]));
+        for (int k = 1; k < n; ++k)
+            sum += f[static_cast<std::size_t>(k) * stride] * math::cos(math::pi * j * k / n);
+        c[j] = (j == 0 || j == n ? 1.0 : 2.0) / n * sum;
+    }
+    for (int j = 0; j <= n; ++j) f[static_cast<std::size_t>(j) * stride] = c[j];
+}
+
+// The polynomial with these coefficients.
+template <int n>
+double chebyshev_sum(const double* c, double y) {
+    double next = 0.0, sum = 0.0;
+    for (int k = n; k > 0; --k) {
+        const double now = c[k] + 2.0 * y * sum - next;
+        next = sum, sum = now;
+    }
+    return c[0] + y * sum - next;
+}
+
 class TangentialTable {
 public:
     explicit TangentialTable(const contact::FrictionalContact& contact)
@@ -47,23 +91,21 @@ public:
         const double strength =
             contact_.friction.coefficient * (contact_.mass / contact_.tangential_mass) * speed;
         const double x = strength < math::infinity ? strength / (slip + strength) : 1.0;
-        if (!tabulated_ || !(x >= lowest)) return solve(speed, slip);
+        if (!tabulated_ || !(x >= lowest)) return solve_tangential(contact_, speed, slip);
         if (nodes_.empty()) nodes_.resize(1);
         double low = lowest, high = 1.0;
         for (std::size_t at = 0;;) {
             if (nodes_[at].kind == Kind::unknown) fill(at, low, high);
             const Node& node = nodes_[at];
-            if (node.kind == Kind::solved) return solve(speed, slip);
+            if (node.kind == Kind::solved) return solve_tangential(contact_, speed, slip);
             if (node.kind == Kind::series) return value(node, x, low, high);
             const double middle = 0.5 * (low + high);
             (x < middle ? high : low) = middle;
             at = node.lower + (x < middle ? 0 : 1);
         }
     }
-    // Without the table.
-    TangentialResult solve(double speed, double slip) const {
-        return limited(result(contact_.scaled(speed, slip)));
-    }
+    bool is_tabulated() const { return tabulated_; }
+    const contact::FrictionalContact& contact() const { return contact_; }
 
 private:
     static constexpr int order = 16;
@@ -80,47 +122,24 @@ private:
     bool tabulated_;
     std::vector<Node> nodes_;
 
-    // A spring of constant stiffness cannot give back more than it got.
-    bool is_passive() const { return contact_.friction.stiffness.power == 0; }
-    TangentialResult limited(TangentialResult r) const {
-        if (is_passive()) r.gain = math::clamp(r.gain, 0.0, 2.0);
-        return r;
-    }
     TangentialResult value(const Node& node, double x, double low, double high) const {
         const double y = 2.0 * ((x - low) / (high - low)) - 1.0;
-        double next = 0.0, sum = 0.0;
-        for (int k = order - 1; k > 0; --k) {
-            const double now = node.c[k] + 2.0 * y * sum - next;
-            next = sum, sum = now;
-        }
-        return limited({x * (node.c[0] + y * sum - next), node.slid});
-    }
-    static TangentialResult result(const contact::ScaledImpact& scaled) {
-        return contact::with_solution(scaled, [](auto& motion) -> TangentialResult {
-            SlipObserver observer;
-            if (!motion.run(observer)) return {math::nan, false};
-            return {1.0 - motion.state().slip, observer.slid};
-        });
+        return limited({x * chebyshev_sum<order - 1>(node.c, y), node.slid}, contact_.friction.stiffness);
     }
     // Chebyshev series through the extrema of the highest polynomial, both ends included.
     void fill(std::size_t at, double low, double high) {
         constexpr int n = order - 1;
         contact::ScaledImpact scaled = contact_.scaled(1.0, 1.0);
-        double f[order];
+        Node node;
         int slipping = 0;
         for (int k = 0; k <= n; ++k) {
             const double x = 0.5 * ((high + low) + (high - low) * math::cos(math::pi * k / n));
             scaled.coefficient = x < 1.0 ? x / (1.0 - x) : math::infinity;
-            const TangentialResult r = result(scaled);
-            f[k] = r.gain / x, slipping += r.slid;
+            const TangentialResult r = solve_tangential(scaled);
+            node.c[k] = r.gain / x, slipping += r.slid;
         }
-        Node node;
         node.slid = 2 * slipping > n;
-        for (int j = 0; j <= n; ++j) {
-            double sum = 0.5 * (f[0] + (j % 2 == 0 ? f[n] : -f[n]));
-            for (int k = 1; k < n; ++k) sum += f[k] * math::cos(math::pi * j * k / n);
-            node.c[j] = (j == 0 || j == n ? 1.0 : 2.0) / n * sum;
-        }
+        to_chebyshev<n>(node.c);
         const double tail = math::abs(node.c[n]) + math::abs(node.c[n - 1]) + math::abs(node.c[n - 2]);
         if (high * tail <= tolerance)
             node.kind = Kind::series;

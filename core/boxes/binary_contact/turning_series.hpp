@@ -6,10 +6,14 @@
 // Surfaces that slip: f' = ω n×f with μ F_n ω = h_⊥. As this quotient is singular where F_n = 0, steps that are not in
 // a plane are bounded by the distance in time to F_n = 0, until that matters no longer: the error of f counts in
 // proportion to the force and to the rest of the impulse. An undamped contact that slips at touch starts at such a
-// point; there f_n follows from the equation of order n itself. At a wall and in a plane f is constant.
+// point; there f_n follows from the equation of order n itself. At the end of the contact one step suffices, with the
+// mean of f (slip_closing.hpp). At a wall and in a plane f is constant.
 #pragma once
+#include <optional>
+
 #include "../../base/event_location.hpp"
 #include "../common/symmetric_tensor.hpp"
+#include "slip_closing.hpp"
 #include "turning_states.hpp"
 
 namespace hardlimit::boxes {
@@ -69,6 +73,7 @@ public:
         double y[M::dimension] = {};
         const Tangential kept = motion_.reference;
         move(math::clamp(time / motion_.time_unit() - begin_, 0.0, step_), y);
+        if (closing_) move_in_closing(y[M::time] - begin_, y);
         TurningState state = this->state_of(y);
         state.time = time;
         motion_.reference = kept;
@@ -91,6 +96,7 @@ private:
     bool can_slip_ = true;
     double misaligned_ = 1.0;  // sine of the angle by which the direction of slip may still change
     bool steady_ = false, frozen_ = false;  // the direction of slip keeps still; nothing changes any more
+    std::optional<SlipClosing> closing_;    // the mean of the direction replaces it until the contact ends
     Kind kind_ = Kind::space;
     double direction_scale_ = 1.0, slide_ = tolerance, twist_scale_ = tolerance;
     // Series of the components and of what the events need. P, Q: (q1, q2) and (q0, q3) of the frame's quaternion, at a
@@ -135,6 +141,8 @@ private:
             frozen_ = rest < slide_;
             steady_ = frozen_ || rest * misaligned_ < slide_;
             direction_scale_ = math::min(direction_scale_, 1e-8);
+            if (kind_ == Kind::space && U_[0] < 0.0 && !steady_) close(now);
+            if (closing_) steady_ = frozen_ = true, f_[0] = in_frame(closing_->mean());
         } else
             S_[0] = Two{y[M::memory], y[M::memory + 1]};
     }
@@ -146,6 +154,48 @@ private:
         return motion_.friction().coefficient * force * force / math::abs(growth);
     }
     bool directed() const { return motion_.slips && kind_ == Kind::space && !steady_; }
+
+    // Takes the mean of the direction from now on if its error is below the tolerance.
+    void close(const typename M::Now& now) {
+        const auto k = motion_.constants();
+        double dy[M::dimension];
+        motion_.slip_rates(y_, dy);
+        const double mu = motion_.friction().coefficient, ratio = motion_.units().ratio;
+        const double fast = math::abs(y_[M::twist]) + now.w.length() + now.u.length();
+        FallingForce force{.stiffness = k.stiffness,
+                           .dashpot = dashpot(true),
+                           .mobility = 1.0 + motion_.touch().rotational_ratio,
+                           .limit = mu * now.normal,
+                           .fall = -mu * (k.elastic * dy[M::root_depth] + k.damping * dy[M::rate]),
+                           .bend = 0.0,
+                           .turning = ratio * fast,
+                           .others = 0.0};
+        if (!(force.fall > 0.0)) return;
+        force.bend = k.damping * force.fall - k.elastic * force.limit;
+        const auto rates = [&](int i) { return Two{dy[i], dy[i + 1]}; };
+        const Two curve = rates(M::across) - now.width * rates(M::surface) +
+                          (ratio * y_[M::rate]) * two(now.u) + (force.mobility * force.limit) * f_[0];
+        const auto along = [this](Two a) { return SlipVector{dot(a, f_[0]), dot(a, turned(f_[0]))}; };
+        const SlipClosing closing(force, along(two(now.g)), along(curve));
+        if (closing.is_within(direction_tolerance * slide_, force)) closing_ = closing;
+    }
+    Two in_frame(SlipVector a) const {
+        const Two f = two(motion_.reference);
+        return a.along * f + a.across * turned(f);
+    }
+    // The state at a time within the last step.
+    void move_in_closing(double t, double* y) {
+        const auto part = closing_->until(math::clamp(value(N_, t) / N_[0], 1e-12, 1.0));
+        const double whole = step_;
+        f_[0] = in_frame(part.mean);
+        expand();
+        move(t, y);
+        f_[0] = in_frame(closing_->mean());
+        expand();
+        step_ = whole;
+        const Two f = in_frame(part.now);
+        motion_.reference = {f[0], f[1]};
+    }
 
     void expand() {
         const bool slips = motion_.slips;

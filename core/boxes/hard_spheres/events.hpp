@@ -20,8 +20,7 @@ public:
           rubbing_(particles),
           collapse_(collapse),
           log_(log),
-          rule_(
-              make_rule(setting_.rule, {setting_.mass, setting_.largest_radius, !mixed, setting_.few_kinds})),
+          rule_(make_rule(setting_.rule, {setting_.mass, setting_.largest_radius, !mixed, setting_.kinds})),
           take_time_(rule_ && rule_->takes_time()) {}
 
     // Whether contacts take time under the rule, so that LastContacts holds them.
@@ -265,7 +264,8 @@ private:
         rubbing_.add_result(slip, touch, end, result);
         record(i, wall.id.number, arrival.surface_speed, result, math::infinity);
     }
-    Rebound restitution(const Impact& impact) {
+    Rebound restitution(Impact& impact) {
+        impact.collisions = totals_.so_far.collisions();
         const Rebound rebound = rule_->rebound(impact, deepest_);
         totals_.so_far.elastic_by_tc += rebound.elastic_by_tc;
         return rebound;

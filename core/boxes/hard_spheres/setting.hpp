@@ -28,7 +28,7 @@ struct Setting {
     double mass = 0.0;                                   // of each particle, unless they differ [kg]
     double smallest_radius = 0.0, largest_radius = 0.0;  // [m]
     Motion motion = Motion::straight;
-    bool few_kinds = true;  // at most most_kinds kinds of particles with friction
+    Kinds kinds = Kinds::few;  // of particles with friction
 
     Setting(const System& s, const RuleChoice& rule, bool keeps_log, Growth growth)
         : box(s.box),
@@ -47,8 +47,7 @@ struct Setting {
     }
     template <class Archive>
     void exchange(Archive& a) {
-        a(box), a(rule), a(growth), a(keeps_log), a(mass), a(smallest_radius), a(largest_radius),
-            a(few_kinds);
+        a(box), a(rule), a(growth), a(keeps_log), a(mass), a(smallest_radius), a(largest_radius), a(kinds);
     }
 
     bool falls() const { return motion == Motion::falling; }
@@ -58,10 +57,16 @@ private:
     static constexpr std::size_t most_kinds = 16;
 
     void count_kinds(const System& s) {
-        std::set<std::array<double, 3>> kinds;
-        for (std::size_t i = 0; i < s.n && kinds.size() <= most_kinds; ++i)
-            kinds.insert({s.radius[i], s.mass[i], inertia_factor(s, i)});
-        few_kinds = kinds.size() <= most_kinds;
+        std::set<std::array<double, 3>> different;
+        bool one_shape = true;
+        for (std::size_t i = 0; i < s.n; ++i) {
+            const double q = inertia_factor(s, i);
+            one_shape = one_shape && q == inertia_factor(s, 0);
+            if (different.size() <= most_kinds) different.insert({s.radius[i], s.mass[i], q});
+        }
+        kinds = different.size() <= most_kinds ? Kinds::few
+                : one_shape                    ? Kinds::many_of_one_shape
+                                               : Kinds::many;
     }
     void set_motion() {
         motion = growth.rate != 0.0 ? Motion::growing : box.falls() ? Motion::falling : Motion::straight;

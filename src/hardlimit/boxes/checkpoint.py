@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 8  #: version of the file format; files of another version are refused
+FORMAT: Final = 9  #: version of the file format; files of another version are refused
 HEADER: Final = "header"
 
 

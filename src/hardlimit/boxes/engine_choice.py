@@ -27,8 +27,8 @@ SMALLEST_EDGE: Final = 4.2
 BY_EVENTS: Final = (1.6, 35.0)
 BY_STEPS: Final = (9.0, 0.0045)
 #: The same with friction, under linear laws with a tangential spring.
-BY_EVENTS_WITH_FRICTION: Final = (30.0, 2.5e4)
-BY_STEPS_WITH_FRICTION: Final = (45.0, 0.0017)
+BY_EVENTS_WITH_FRICTION: Final = (25.0, 1.5e3)
+BY_STEPS_WITH_FRICTION: Final = (30.0, 0.0033)
 #: Packing fraction of the densest disordered packings, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}
 

@@ -8,14 +8,16 @@ docs/error_law.md derives and measures a; core/boxes/common/error_law.hpp has th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from .. import _core
 from ..contact.contact import Law
+from ..contact.friction import Friction
 from ..support import validation
+from . import frictional_error, spins
 from .contacts import mean_contact
 from .rules import RULES
 from .system import ParticleSystem
@@ -34,6 +36,13 @@ MEASURED_HERTZ: Final = {d: _core.error_law_measured_hertz[d - 2] for d in DENSE
 MEASURED_TC_NU: Final = _core.error_law_measured_tc_nu
 #: From this ε on the theory has no free parameter.
 NEARLY_ELASTIC: Final = _core.error_law_nearly_elastic
+
+#: Coefficient of friction below which its effect is in proportion to it: contacts that slide take long to compute.
+WEAK: Final = 0.05
+#: b in the term −b (1 − ε²)/D of the coefficient, for linear springs and by which it falls with their exponent q, as in
+#: core/boxes/common/error_law.hpp.
+DELAYED: Final = 0.87
+DELAYED_SLOPE: Final = 1.03
 
 #: Steps to the steady energy under the rule tc.
 FIXED_POINT_STEPS: Final = 60
@@ -84,6 +93,7 @@ class Exponents(NamedTuple):
 
 #: Powers of the contact forces that were measured (``Exponents.of``): linear, Tsuji's and viscoelastic.
 MEASURED_POWERS: Final = ((4, 0), (6, 1), (6, 2))
+LINEAR_POWERS: Final = MEASURED_POWERS[0]
 LINEAR, *HERTZ = map(Exponents.of, MEASURED_POWERS)
 
 
@@ -174,9 +184,18 @@ class ErrorLaw:
     decay: float = field(default=0.0, repr=False)  #: 2k of the rule tc; 0 for other rules
     stored: float = field(default=math.nan, repr=False)  #: share of elastic energy at ε → 1, per t_c ν
     delay: float = field(default=math.nan, repr=False)  #: mean t_c over t_c at the mean impact speed, over D
+    friction: Friction | None = None  #: of the contacts; None: smooth
+    offset: float = 0.0  #: error at t_c ν = 0, of the rule constant with friction
+    offset_error: float = field(default=0.0, repr=False)  #: its standard error
+    smooth_error: float = 0.0  #: error of event-driven cooling of translation without the friction, in theory
+    temperature_ratio: float = (
+        math.nan
+    )  #: T_r/T, mean of 3 to 9 collisions of each in theory; NaN for smooth particles
 
     def error(self, tc_nu: float) -> float:
         """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.
+
+        With an ``offset`` o, (1 + o)(1 + a t_c ν) − 1.
 
         Parameters
         ----------
@@ -192,20 +211,21 @@ class ErrorLaw:
         ValueError
             If it is negative or not finite.
         """
-        return self._values.error(_tc_nu(tc_nu))
+        return (1.0 + self.offset) * (1.0 + self._values.error(_tc_nu(tc_nu))) - 1.0
 
     def error_bar(self, tc_nu: float) -> float:
         """Standard error of :meth:`ErrorLaw.error`. Above the largest measured t_c ν, 0.3, it grows with the excess.
 
         Argument and errors as for :meth:`ErrorLaw.error`.
         """
-        return self._values.error_bar(_tc_nu(tc_nu))
+        return math.hypot(self._values.error_bar(_tc_nu(tc_nu)), self.offset_error)
 
     def heated_error(self, tc_nu: float) -> float:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
         T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
-        leaves no kinetic energy. :doc:`/driven_gases` derives it and :doc:`/results` measures it.
+        leaves no kinetic energy, and with friction, for which it was not measured. :doc:`/driven_gases` derives it and
+        :doc:`/results` measures it.
 
         Notes
         -----
@@ -220,7 +240,7 @@ class ErrorLaw:
         """
         x = _tc_nu(tc_nu)
         slower = 1.0 + (self.coefficient + self.decay) * x
-        if not slower > 0.0:
+        if not slower > 0.0 or self.friction is not None:
             return math.nan
         root = 1.0  # √(E of the rule/E under Newton's equations)
         for _ in range(FIXED_POINT_STEPS):
@@ -246,7 +266,8 @@ class ErrorLaw:
         Raises
         ------
         ValueError
-            If it is negative or not finite, or for disks, other contact laws, the rules tc and soft, and φ above 0.49.
+            If it is negative or not finite, or for disks, friction, other contact laws, the rules tc and soft, and φ
+            above 0.49.
 
         Notes
         -----
@@ -262,7 +283,7 @@ class ErrorLaw:
         """
         x = _tc_nu(tc_nu)
         if reason := self.no_shear():
-            accepted = f"spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
+            accepted = f"smooth spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
             raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
         viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
         kinetic = self._kinetic_share(x)
@@ -285,6 +306,8 @@ class ErrorLaw:
         """
         if self.dimension != 3:
             return "disks"
+        if self.friction is not None:
+            return "friction"
         if RULES[self.rule].error != "constant":
             return f"the rule {self.rule}"
         linear = LINEAR.mean_duration / 3.0
@@ -309,7 +332,14 @@ class ErrorLaw:
         ValueError
             If ``error`` is outside its range.
         """
-        return self._values.largest_tc_nu(validation.number("error", error, 0.0, 1.0, highest_allowed=True))
+        limit = validation.number("error", error, 0.0, 1.0, highest_allowed=True)
+        if self.offset == 0.0:
+            return self._values.largest_tc_nu(limit)
+        if abs(self.offset) > limit:
+            return 0.0
+        slope = abs((1.0 + self.offset) * self.coefficient)
+        room = limit - math.copysign(self.offset, self.offset * self.coefficient)
+        return min(room / slope, MEASURED_TC_NU) if slope > 0.0 else MEASURED_TC_NU
 
     def delta_over_d(self, tc_nu: float) -> float:
         """δ/d, the mean greatest compression of undamped linear contacts over the diameter: t_c ν/(D 2^D φ χ).
@@ -327,6 +357,10 @@ class ErrorLaw:
         limit = f"1 % at t_c ν = {self.largest_tc_nu():.2g}"
         beyond = f"; {self.extrapolated}" if self.extrapolated else ""
         where = f"{self.rule} at φ = {self.packing_fraction:g}, ε = {self.restitution:g}"
+        if self.friction is not None:
+            where += f", μ = {self.friction.coefficient:g}"
+        if self.offset != 0.0:
+            size = f"{self.offset:.2g} + {size}"
         return f"{where}: error of the cooling {size}, {limit}{beyond}"
 
 
@@ -341,11 +375,16 @@ def error_law(
     dimension: int = 3,
     rule: str = "constant",
     law: Law | None = None,
+    friction: Friction | None = None,
+    temperature_ratio: float = 1.0,
+    inertia_factor: float | None = None,
 ) -> ErrorLaw:
     """The error that an event-driven simulation of a cooling gas makes, in proportion to t_c ν.
 
-    The law holds for equal smooth spheres or disks without lasting contacts, with t_c ν up to 0.3 and the compressions
-    that contact laws allow. t_c ν is the value at the instant: it falls while the gas cools.
+    The law holds for equal spheres or disks without lasting contacts, with t_c ν up to 0.3 and the compressions that
+    contact laws allow. t_c ν is the value at the instant: it falls while the gas cools. With friction, E contains the
+    rotation, and the hard spheres have the friction of the law: the rule law, or constant with the β0 of
+    :meth:`Contact.effective_tangential_restitution`.
 
     Parameters
     ----------
@@ -357,23 +396,34 @@ def error_law(
     dimension : int
         3 for spheres, 2 for disks.
     rule : {"constant", "law", "tc", "soft"}
-        As for :func:`event_driven`. If ε of the contact law depends on the speed, the rule constant has a further
-        error, which does not vanish with t_c ν and is not contained here.
+        As for :func:`event_driven`; with friction constant or law. If ε of the contact law depends on the speed, the
+        rule constant has a further error, which does not vanish with t_c ν and is not contained here.
     law : Law, optional
-        Contact law under Newton's equations; only the exponents of its elastic and damping forces matter. Default: the
-        linear dashpot. If t_c depends on the speed, as in Hertz' law, t_c ν is taken at the mean impact speed √(πT).
+        Contact law under Newton's equations; only the exponents of its elastic and damping forces, and its friction,
+        matter. Default: the linear dashpot. If t_c depends on the speed, as in Hertz' law, t_c ν is taken at the mean
+        impact speed √(πT).
+    friction : Friction, optional
+        Of this law, with ratios of stiffness and damping; by default that of ``law``.
+    temperature_ratio : float
+        T_r/T at the start of a gas with friction, in [0, 5]. The coefficient is the mean over 3 to 9 collisions of each
+        particle.
+    inertia_factor : float, optional
+        q in the moment of inertia q m R², by default that of solid spheres or disks. It matters with friction only.
 
     Returns
     -------
     ErrorLaw
         Outside the range of the measurements its text and ``extrapolated`` say so, and its error is larger. They are
         0.02 ≤ φ ≤ 0.5, ε ≥ 0.4 for spheres and 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6 for disks with linear springs; 0.05 ≤ φ ≤ 0.5,
-        ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts.
+        ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts; with friction 0.05 ≤ φ ≤ 0.5,
+        0.7 ≤ ε ≤ 0.95, μ ≤ 1, 1 ≤ (m_n/m_t) k_t/k_n ≤ 3.5, and γ_t up to γ_n, with linear springs; with Hertz' laws and
+        Mindlin's springs, one point.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range.
+        If an argument is outside its range, or the error is not known with this friction: without a tangential spring,
+        for other rules, and far outside the measured range.
 
     Notes
     -----
@@ -386,6 +436,11 @@ def error_law(
     >>> law = hl.error_law(packing_fraction=0.2, restitution=0.99)
     >>> f"{law.coefficient:.2f}"
     '0.68'
+    >>> rubbing = hl.error_law(
+    ...     packing_fraction=0.2, restitution=0.9, rule="law", friction=hl.Friction(0.5)
+    ... )
+    >>> f"{rubbing.coefficient:.1f}"
+    '0.2'
     """
     dim = validation.whole("dimension", dimension, 2, 3)
     phi = validation.number("packing_fraction", packing_fraction, 0.0, DENSEST[dim], highest_allowed=True)
@@ -395,7 +450,73 @@ def error_law(
     name = validation.one_of("rule", rule, KNOWN_RULES)
     if law is not None and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    return of_exponents(dim, phi, epsilon, name, LINEAR if law is None else exponents(law))
+    smooth = of_exponents(dim, phi, epsilon, name, LINEAR if law is None else exponents(law))
+    rubs = frictional_error.friction_of(law, friction)
+    if rubs is None or rubs.coefficient == 0.0:
+        return smooth
+    theta = validation.number(
+        "temperature_ratio", temperature_ratio, 0.0, 5.0, lowest_allowed=True, highest_allowed=True
+    )
+    q = float(spins.checked_factor(inertia_factor, 1, dim)[0])
+    return with_friction(smooth, rubs, theta, q, LINEAR_POWERS if law is None else law.record["powers"])
+
+
+def with_friction(
+    smooth: ErrorLaw, friction: Friction, theta: float, q: float, powers: tuple[int, int]
+) -> ErrorLaw:
+    """The law of the error with this friction, from that of smooth particles.
+
+    ``theta``: T_r/T at the start. ``q``: inertia factor. ``powers``: four times those of the normal force. Raises
+    ValueError where it is not known.
+    """
+    dim, epsilon, law = smooth.dimension, smooth.restitution, Exponents.of(powers)
+    setting = frictional_error.Setting(dim, epsilon, friction, theta, q, (powers[0], powers[1]))
+    if reason := setting.not_known() or _rule_not_known(smooth.rule):
+        raise ValueError(f"friction: {reason}")
+    weak = min(friction.coefficient / WEAK, 1.0)  # of which the terms are in proportion to μ
+    strong = setting._replace(friction=replace(friction, coefficient=max(friction.coefficient, WEAK)))
+    delayed = DELAYED - DELAYED_SLOPE * (law.energy - LINEAR.energy)
+    terms = frictional_error.terms(strong, *law, delayed)
+    gas, x = fluid(dim, smooth.packing_fraction), 1.0 - epsilon**2
+    third = frictional_error.third_particles(dim, smooth.packing_fraction, terms.spring)
+    stored = (1.0 + (law.damping + 1.0) / law.energy) / law.energy
+    energy = terms.energy - (stored - delayed * x) / dim
+    turn = terms.turn - (dim - 1) * law.mean_compression
+    change = weak * law.mean_duration * _correlations(smooth) * (energy + turn / gas.density - third)
+    bar = weak * frictional_error.bar(x, turn / gas.density, third)
+    outside = setting.outside()
+    wider = 1.0 + setting.distance()
+    constant = smooth.rule == "constant"
+    if constant and math.isnan(terms.offset):
+        raise ValueError(
+            "friction: got one for which no β0 stands in a gas, must be another for the rule constant"
+        )
+    return replace(
+        smooth,
+        coefficient=smooth.coefficient + change,
+        coefficient_error=math.hypot(smooth.coefficient_error, bar) * wider,
+        source="both",
+        extrapolated=" and ".join(part for part in (smooth.extrapolated, outside) if part),
+        friction=friction,
+        offset=weak * terms.offset if constant else 0.0,
+        offset_error=weak * math.hypot(0.003, 0.5 * terms.offset) if constant else 0.0,
+        smooth_error=weak * terms.smooth_error,
+        temperature_ratio=terms.temperature_ratio,
+    )
+
+
+def _rule_not_known(rule: str) -> str:
+    """Why nothing is known of a rule with friction; empty if it is."""
+    return "" if RULES[rule].error == "constant" else f"got it with the rule {rule}, must be constant or law"
+
+
+def _correlations(smooth: ErrorLaw) -> float:
+    """h of docs/error_law.md over its value for ε = 1: the measured decay of the rule tc has the factor h²."""
+    decays = [
+        of_exponents(smooth.dimension, smooth.packing_fraction, e, "tc", LINEAR).decay
+        for e in (smooth.restitution, 1.0)
+    ]
+    return math.sqrt(decays[0] / decays[1])
 
 
 def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Exponents) -> ErrorLaw:

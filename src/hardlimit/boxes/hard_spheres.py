@@ -107,6 +107,9 @@ def event_driven(
     friction Walton, in Particulate Two-Phase Flow, ed. Roco, 884 (1993); Schwager, Becker & Pöschel, Eur. Phys. J. E
     27, 107 (2008).
 
+    Particles that overlap at the start collide at once if they approach each other; if not, they fly apart without a
+    collision (:doc:`/grains`).
+
     β of a law that has no scale of speed (linear, or Tsuji with Mindlin's friction) is tabulated by angle for each pair
     of kinds of particles, to 1e-10, if there are at most 16 kinds; other contacts are solved in each collision (2 to
     20 µs for the linear law, more for others), as are those of ``"soft"``. In the log ``slid`` says with ``friction``

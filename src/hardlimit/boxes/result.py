@@ -358,7 +358,8 @@ class ParticleResult(_Result):
 
     def _outcome_key(self) -> str:
         settings = self.settings
-        no_room = RULES[settings.rule].knows_duration or settings.restitution == 1.0
+        elastic = settings.restitution == 1.0 and not settings.has_friction  # friction alone may collapse
+        no_room = RULES[settings.rule].knows_duration or elastic
         return "no_room" if self.outcome_name == "collapse" and no_room else self.outcome_name
 
     def cooling_of_theory(self) -> dict[str, Floats]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
@@ -243,7 +243,7 @@ class ParticleSystem:
             raise ValueError(
                 f"positions: particles {first} and {second} overlap, gap {gap:.6g} m, must be >= "
                 f"{validation.at_least(0.0 - allowed_overlap * apart)} m, {allowed_overlap:g} of the sum of the radii, "
-                f"{apart:.6g} m; allowed_overlap= accepts more"
+                f"{apart:.6g} m; allowed_overlap= accepts more, {validation.at_least(-gap / apart)} here"
             )
 
     @classmethod
@@ -343,33 +343,105 @@ class ParticleSystem:
 
     @classmethod
     def read(
-        cls, path: str | Path, *, frame: int = -1, allowed_overlap: float | None = None
+        cls,
+        path: str | Path,
+        *,
+        frame: int = -1,
+        units: str | None = None,
+        velocities: float | ArrayLike | None = None,
+        radius: files.OfTypes | None = None,
+        density: files.OfTypes | None = None,
+        inertia_factor: float | ArrayLike | None = None,
+        boundary: str | Sequence[str] | None = None,
+        gravity: Vector | None = None,
+        shear_rate: float | None = None,
+        allowed_overlap: float | None = None,
     ) -> ParticleSystem:
-        """Read a system from a file: extended XYZ (.xyz, .extxyz), GSD (.gsd) or LAMMPS data (.data, .lmp).
+        """Read a system from a file: extended XYZ (.xyz, .extxyz), GSD (.gsd), LAMMPS data (.data, .lmp), or a text
+        dump of LAMMPS or LIGGGHTS with any name, also compressed (.gz).
 
-        Numbers are in SI units, those of LAMMPS data in the units that its first line names.
+        Velocities, radii, densities or masses and spins are read as far as the file has them. Particles are sorted by
+        their ids, if there are any. In dumps, sides ``pp`` are periodic and ``ff`` walls at the ends of the
+        box; positions beyond a periodic side are folded back. Disks are particles at rest in z = 0, or without z.
 
         Parameters
         ----------
         path : path
         frame : int
-            Index of the frame in a trajectory; the last one by default.
+            Index of the frame in a trajectory; the last one by default. Frames of a dump without grains do not count.
+        units : {"lj", "si", "cgs", "micro", "nano"}, optional
+            Units of the file, by LAMMPS' names; SI by default, for LAMMPS data and dumps those that they name. ``"lj"``
+            leaves numbers as they are.
+        velocities : number or (N, d) numbers, optional [m/s]
+            Where the file has none, such as 0 if only the structure is measured; else it must be left out.
+        radius : number, N numbers or a mapping of types to numbers, optional [m]
+            Where the file has none; else it must be left out.
+        density : as radius, optional [kg/m³]
+            Where the file has neither densities nor masses.
+        inertia_factor : number or N numbers, optional
+            As for the system, in place of that of the file. LAMMPS' disks have 2/5, or 1/2 with the word ``disc``.
+        boundary : str or one for each axis, optional
+            As for the system, in place of that of the file. Walls stand at the sides of the box, or farther out, where
+            the outermost particles end.
+        gravity : number or d numbers, optional [m/s²]
+            As for the system, in place of that of the file.
+        shear_rate : number, optional [1/s]
+            Of a box that tilts, in files of other programs; it becomes one with the boundary of Lees and Edwards. Tilts
+            xy or xz alone have one. Velocities must be those in the laboratory, as with LAMMPS' ``fix deform … remap
+            v``.
         allowed_overlap : float, optional
-            As for the system. The default allows for rounding errors, also those of a GSD file in single precision.
+            As for the system. The default allows for rounding errors, also those of the digits of a file.
 
         Raises
         ------
         ValueError
-            If the file cannot be read, is damaged, or contains an invalid system; names it.
+            If the file cannot be read, is damaged, lacks something, or contains an invalid system; names it.
         FileNotFoundError
             If there is no such file.
         """
-        arguments, rounding = files.read(path, frame)
+        options = files.Options(
+            units, velocities, radius, density, boundary, gravity, shear_rate, inertia_factor
+        )
+        return cls._from_file(path, *files.read(path, frame, options), allowed_overlap)
+
+    @classmethod
+    def read_frames(
+        cls,
+        path: str | Path,
+        *,
+        units: str | None = None,
+        velocities: float | ArrayLike | None = None,
+        radius: files.OfTypes | None = None,
+        density: files.OfTypes | None = None,
+        inertia_factor: float | ArrayLike | None = None,
+        boundary: str | Sequence[str] | None = None,
+        gravity: Vector | None = None,
+        shear_rate: float | None = None,
+        allowed_overlap: float | None = None,
+    ) -> Iterator[ParticleSystem]:
+        """All frames of a file, one after the other, as an iterator that reads each when it is its turn.
+
+        Parameters and errors are those of :meth:`ParticleSystem.read`.
+        """
+        options = files.Options(
+            units, velocities, radius, density, boundary, gravity, shear_rate, inertia_factor
+        )
+        for arguments, rounding in files.frames(path, options):
+            yield cls._from_file(path, arguments, rounding, allowed_overlap)
+
+    @classmethod
+    def _from_file(
+        cls, path: str | Path, arguments: dict[str, Any], rounding: float, allowed_overlap: float | None
+    ) -> ParticleSystem:
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
+        unfolded = arguments.pop("unfolded", None)
         try:
-            return cls(**arguments, allowed_overlap=allowed)
+            system = cls(**arguments, allowed_overlap=allowed)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
+        if unfolded is not None:
+            system._set(_unfolded=unfolded)
+        return system
 
     def write(self, path: str | Path) -> Path:
         """Write the system as extended XYZ, GSD or LAMMPS data, by the ending of ``path``.
@@ -416,12 +488,13 @@ class ParticleSystem:
         shear_displacement: float | None = None,
         angular_velocities: ArrayLike | None = None,
         inertia_factor: float | ArrayLike | None = None,
+        allowed_overlap: float | None = None,
     ) -> ParticleSystem:
         """A copy with the given values changed and all others kept, including the masses.
 
-        Errors are those of the system itself. Existing overlaps are accepted unless positions, radius, box, boundary,
-        walls or the displacement of images change. Another shear rate leaves the velocities as they are. Rate and
-        displacement are dropped with the Lees–Edwards boundary.
+        Errors are those of the system itself. By default existing overlaps are accepted unless positions, radius, box,
+        boundary, walls or the displacement of images change. Another shear rate leaves the velocities as they are. Rate
+        and displacement are dropped with the Lees–Edwards boundary.
         """
         if density is not None and mass is not None:
             raise ValueError("density | mass: got both, must be at most one of them")
@@ -450,9 +523,23 @@ class ParticleSystem:
             thermostat=self.thermostat
             if isinstance(thermostat, str) and thermostat == "keep"
             else thermostat,
-            allowed_overlap=ROUNDING if moved else max(ROUNDING, self._deepest_relative_overlap),
+            allowed_overlap=self._accepted(allowed_overlap, moved),
             **kept,
         )
+
+    def _accepted(self, allowed_overlap: float | None, moved: bool) -> float:
+        """The overlap that a changed copy may have."""
+        if allowed_overlap is not None:
+            return allowed_overlap
+        return ROUNDING if moved else self.largest_overlap
+
+    @property
+    def largest_overlap(self) -> float:
+        """Largest overlap relative to the sum of the radii (at a wall, to the radius), at least that of touching.
+
+        :meta private:
+        """
+        return max(ROUNDING, self._deepest_relative_overlap)
 
     @cached_property
     def _deepest_overlap(self) -> tuple[int, int, float]:
@@ -487,8 +574,9 @@ class ParticleSystem:
     def unfolded_positions(self) -> Floats:
         """Positions along the paths since the start of the run (N, d) [m], not folded back into the box.
 
-        In a system that is not a state of a run they are the positions. They are no part of the value of a system:
-        equality ignores them, and :meth:`replace` and :meth:`write` drop them.
+        In a system that is no state of a run they are the positions; of a dump that has them (``xu yu zu`` or ``ix iy
+        iz``) they are in its coordinates. They are no part of the value of a system: equality ignores them, and
+        :meth:`replace` and :meth:`write` drop them.
         """
         return self.positions if self._unfolded is None else self._unfolded
 
@@ -654,10 +742,12 @@ class ParticleSystem:
 
 def described(system: ParticleSystem) -> list[tuple[str, str]]:
     """Labels and values for the table of a system."""
+    overlap = system.largest_overlap
     rows = [
         ("box [m]", _times(system.box)),
         ("sides", ", ".join(f"{axis} {side}" for axis, side in zip(AXES, system.boundary, strict=False))),
         ("packing fraction φ", digits(system.packing_fraction)),
+        *([("largest overlap, of the sum of radii", digits(overlap, 3))] if overlap > ROUNDING else []),
         ("radius [m]", _between(system.radius)),
         ("mass [kg]", _between(system.mass)),
         ("granular temperature [m²/s²]", digits(system.granular_temperature)),
@@ -714,6 +804,8 @@ def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:
         if not good.all():
             bad = int(np.argmin(good))
             where = "with its whole radius between the walls" if side == "wall" else "in the box"
+            if side == "wall" and low <= x[bad] <= high:
+                where += "; allowed_overlap= accepts more"
             accepted = validation.describe_range(
                 float(low + inner[bad]), float(high - inner[bad]), True, True
             )

@@ -31,6 +31,8 @@ def check(
     power: float | None = None,
     shear_rate: float | None = None,
     restitution_error: float | None = None,
+    pressure: float | None = None,
+    height: float | None = None,
     version: str | None = None,
     radius: float | None = None,
     density: float | None = None,
@@ -69,6 +71,11 @@ def check(
         the work of the shear stress. Spheres with ε of at least 0.5.
     restitution_error : float, optional
         Error of ε that a time step may cause, 0.001 by default: that of the corrected lines.
+    pressure : float [Pa], optional
+        Pressure on grains that are held together; as in the script if it is in ``lj`` units, in two dimensions a force
+        per length [N/m]. It comes before what the script says.
+    height : float [m], optional
+        Height of a bed that rests under gravity, instead of ``pressure``: the number is that at its bottom.
     version : str, optional
         Version of the script's code, such as "22Jul2025", "3.8.0" or "2023.02a"; it comes before that of a log.
     radius : float [m], optional
@@ -126,6 +133,8 @@ def check(
         power=power,
         shear_rate=shear_rate,
         restitution_error=restitution_error,
+        pressure=pressure,
+        height=height,
         version=version,
         radius=radius,
         density=density,

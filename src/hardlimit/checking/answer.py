@@ -38,6 +38,8 @@ WAYS = {
     "temperature": ("too hot", "too cold"),
     "stress": ("too high", "too low"),
 }
+#: Smallest error that the rule constant adds to that of the rule law which is said.
+SMALLEST_ADDED = 0.001
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 
@@ -67,10 +69,12 @@ def answer(
     pairs = [row for row in rows if row.types[1] != "wall"]
     known = [row for row in pairs if judged(row, question) is not None and "speeds" not in missing]
     if wrong := _too_wrong(pairs, known, missing, question):
-        return False, f"No: {wrong}."
+        return False, f"No: {wrong}.{_with_friction(known)}"
     if unknown:
         return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
-    if rubbing := [row for row in pairs if row.friction.coefficient != 0.0]:
+    rubbing = [row for row in pairs if row.friction.coefficient != 0.0]
+    unclear = any(row.friction.coefficient is None for row in rubbing)
+    if rubbing and len(known) < len(pairs) and (unclear or not missing):
         return None, f"Cannot be said: {_rubs(rubbing, question)}."
     if missing or len(known) < len(pairs) or not known:
         return None, f"Cannot be said: {_not_known(missing, question)}."
@@ -78,12 +82,13 @@ def answer(
     if sum(_error(worst, question)) > ACCEPTED:
         return (
             None,
-            f"Cannot be said: {_off(worst, question)}, and {percent(ACCEPTED)} is within the error bar.",
+            f"Cannot be said: {_off(worst, question)}, and {percent(ACCEPTED)} is within the error bar."
+            f"{_with_friction(known)}",
         )
     small = f"{_off(worst, question)}, less than {percent(ACCEPTED)}"
-    if any(row.friction.coefficient != 0.0 for row in rows):
+    if any(row.friction.coefficient != 0.0 and row.types[1] == "wall" for row in rows):
         return None, f"Cannot be said: {small}, but walls rub, which the law of the error leaves out."
-    return True, f"Yes: {small}; {_may(worst)}."
+    return True, f"Yes: {small}; {_may(worst)}.{_with_friction(known)}"
 
 
 def judged(row: CheckedContact, question: Question) -> tuple[float, float] | None:
@@ -135,14 +140,37 @@ def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
     """That grains rub, and the error that they would have without friction."""
     pairs = listed(list(dict.fromkeys("–".join(row.types) for row in rows)))
     error = ERROR_OF[question.quantity]
-    text = f"grains {pairs} rub ({_friction(rows)}), and {error} is known only without friction"
+    known = (
+        "not known with this friction" if question.quantity == "cooling" else "known only without friction"
+    )
+    text = f"grains {pairs} rub ({_friction(rows)}), and {error} is {known}"
     smooth = [row for row in rows if row.frictionless_error is not None]
     if not smooth:
         return text
     worst = max(smooth, key=lambda row: abs(row.frictionless_error or 0.0))
     value = worst.frictionless_error or 0.0
     way = WAYS[question.quantity][value < 0.0]
-    return f"{text}, where it is about {percent(abs(value))} ({way}) at {_numbers(worst)}"
+    without = "; without it, it" if question.quantity == "cooling" else ", where it"
+    return f"{text}{without} is about {percent(abs(value))} ({way}) at {_numbers(worst)}"
+
+
+def _with_friction(known: Sequence[CheckedContact]) -> str:
+    """Which friction event-driven grains must have, and what leaving it out would do; empty for smooth ones."""
+    rubbing = [row for row in known if row.smooth_error is not None]
+    if not rubbing:
+        return ""
+    row = max(rubbing, key=lambda row: abs(row.smooth_error or 0.0))
+    value, beta = row.smooth_error or 0.0, row.friction.effective_tangential_restitution
+    constant = ""
+    if beta is not None and {"constant", "law"} <= set(row.error):
+        added = row.error["constant"][0] - row.error["law"][0]
+        constant = (
+            f" or constant with μ {digits(row.friction.coefficient or 0.0, 3)} and β0 {digits(beta, 2)}"
+        )
+        constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
+    way = WAYS["cooling"][value < 0.0]
+    without = f"without, it cools about {percent(abs(value))} {way}"
+    return f" Event-driven must have the same friction (rule law{constant}); {without}."
 
 
 def _not_known(missing: Sequence[str], question: Question) -> str:
@@ -199,7 +227,7 @@ def _off(row: CheckedContact, question: Question) -> str:
     """How far the quantity is off, and where."""
     value, bar = judged(row, question) or (0.0, 0.0)
     pair = "–".join(row.types)
-    rule = "" if row.rule == "constant" else f", rule {row.rule}"
+    rule = "" if row.rule == "constant" or row.friction.coefficient else f", rule {row.rule}"
     size = f"{percent_with_error(abs(value), bar)} {WAYS[question.quantity][value < 0.0]}"
     return f"{VERBS[question.quantity]} {size} at {_numbers(row)} (grains {pair}{rule})"
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from ..boxes.error_law import MEASURED_TC_NU
 from ..boxes.system import ParticleSystem
 from ..boxes.time_step import DEFAULT_ERROR, accepted_error
 from ..contact.balls import Ball
@@ -17,7 +20,8 @@ from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
-from . import answer, cases, corrections, drive, dumps, friction_words, stated
+from . import answer, at_rest, cases, corrections, drive, dumps, friction_words, loads, state_words, stated
+from .at_rest import GrainState
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Inferred, Verdict
@@ -35,8 +39,10 @@ NO_RUN: Final = Stage(
     gravity=None,
     numerical_damping=None,
 )
+NO_LOAD, NO_SUPPORT = loads.LoadOptions(), drive.Support(False, False)
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
+RESTS: Final = "grains rest on each other under gravity"
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
@@ -66,6 +72,7 @@ class Options:
     variables: Mapping[str, str]
     drive: drive.Drive | None = None
     restitution_error: float = DEFAULT_ERROR
+    load: loads.LoadOptions = NO_LOAD
     given: Supplied = NOTHING
 
 
@@ -82,6 +89,8 @@ def checked(
     power: Any,
     shear_rate: Any,
     restitution_error: Any,
+    pressure: Any,
+    height: Any,
     version: Any,
     radius: Any,
     density: Any,
@@ -102,6 +111,7 @@ def checked(
         {str(name): str(value) for name, value in variables.items()},
         drive.checked_drive(power, shear_rate, speeds),
         accepted_error(restitution_error),
+        loads.checked_load(pressure, height),
         supplied(radius=radius, density=density, mass=mass, time_step=time_step),
     )
     if isinstance(source, str | Path):
@@ -136,7 +146,8 @@ def _of_bodies(
             raise ValueError(f"dimension: got {dimension}, must be left out with a system")
         return _of_system(source, law, options, step)
     d = 3 if dimension is None else validation.whole("dimension", dimension, 2, 3)
-    return _of_law([source], law, options, step, d, walls=True)
+    gravity = None if options.load.height is None else at_rest.GRAVITY
+    return _of_law([source], law, options, step, replace(NO_RUN, dimension=d, gravity=gravity), walls=True)
 
 
 def _speeds(speed: Any) -> tuple[float, ...]:
@@ -208,7 +219,7 @@ def _examined(
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
     gas = replace(
-        gas, rubs=any(case.friction.coefficient != 0.0 for case in contacts if case.second is not None)
+        gas, frictions=tuple({case.friction.coefficient for case in contacts if case.second is not None})
     )
     rows = []
     for case in contacts:
@@ -326,7 +337,12 @@ def _system(
     measured = options.speeds or any(state.temperature for state in states)
     supply = options.drive if measured else purpose
     driven, purpose = (source and source.in_units(*scales) for source in (supply, purpose))
-    options = replace(options, speeds=tuple(v * time / length for v in options.speeds), drive=driven)
+    options = replace(
+        options,
+        speeds=tuple(v * time / length for v in options.speeds),
+        drive=driven,
+        load=options.load.in_units(*scales, last.dimension),
+    )
     gas, speeds = _surroundings(options, states, last.dimension)
     gas = replace(gas, quantity="cooling" if purpose is None else purpose.quantity)
     packing = stated.packing_fraction(last) if gas.packing_fraction is None else None
@@ -390,16 +406,22 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
     rows = sorted((row for system in systems for row in system.rows), key=lambda row: row.stage)
     supports = [drive.support(stage) for stage in script.stages]
     chosen = any(system.at for system in systems)
+    final = next(system for system in systems if system.last is last)
+    barostat = any("barostat" in note.what for note in script.invalidates)
+    grains = _held_in_script(final, frames, states, barostat)
+    final = replace(final, question=_flowing(final.question, grains, bool(last.gravity)))
+    systems = [final if system.last is last else system for system in systems]
     invalidates = [_finding(note) for note in script.invalidates]
-    invalidates += _lasting(script.stages, supports, rows, states, chosen)
+    invalidates += _held_together(grains, options, _lasting(script.stages, supports, rows, states, chosen))
     unknown = _not_understood(script, last, frames, remarks, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)
-    final = next(system for system in systems if system.last is last)
     several = len({stage.units for stage in stages}) > 1
     _, length, time = SCALES[last.units]
     return Verdict(
         admissible=admissible,
-        sentence=sentence + answer.steady(final.rows, final.supply, last.units == "lj"),
+        sentence=sentence
+        + answer.steady(final.rows, final.supply, last.units == "lj")
+        + _words_of_state(grains, last.units, last.dimension),
         code=script.code,
         version=script.version,
         units=last.units,
@@ -422,11 +444,16 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
         ),
         warnings=_warnings(script, rows),
         corrected=tuple(
-            dict.fromkeys(line for system in systems for line in system.corrected(script.code, several))
+            dict.fromkeys(
+                line
+                for system in systems
+                for line in system.corrected(script.code, several, _step_at_rest(grains, system, last))
+            )
         ),
         quantity=None if final.question.driven else final.question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=chosen,
+        state=grains,
         inferred=tuple(dict.fromkeys(number for system in systems for number in system.inferred_in_si)),
     )
 
@@ -511,12 +538,11 @@ def _lasting(
 
     ``chosen``: speeds are not given; a contact is then overdamped if it is at all speeds.
     """
-    coordination = states[-1].coordination if states else None
-    if coordination is not None:
-        allowed = 0.1 + 2.0 * max((row.tc_nu or 0.0 for row in rows), default=0.0)
-        if coordination > allowed:
-            yield Finding(f"grains have {coordination:.2g} contacts on average in the dump, so contacts last")
-    else:
+    lasting = _contacts_last(rows, states)
+    if lasting:
+        coordination = states[-1].coordination
+        yield Finding(f"grains have {coordination:.2g} contacts on average in the dump, so contacts last")
+    elif lasting is None:
         pressed = [note for stage in stages for note in stage.pressed]
         if pressed:
             what = f"grains are pressed together ({pressed[0].what})"
@@ -539,10 +565,30 @@ def _lasting(
             yield Finding("overdamped contacts", types)
 
 
+def _contacts_last(rows: Sequence[CheckedContact], states: Sequence[dumps.State]) -> bool | None:
+    """Whether grains have more contacts in the last frame of a dump than collisions make; None if it is not known."""
+    coordination = states[-1].coordination if states else None
+    if coordination is None:
+        return None
+    longest = max((row.tc_nu or 0.0 for row in rows), default=0.0)
+    return coordination > 0.1 + 2.0 * min(longest, MEASURED_TC_NU)
+
+
+def _held_together(grains: GrainState, options: Options, lasting: Iterable[Finding]) -> Iterator[Finding]:
+    """Findings of lasting contacts: that which options state first, and no rest in a collisional flow."""
+    findings = list(lasting)
+    if grains.regime == "collisional":
+        findings = [finding for finding in findings if not finding.what.startswith(RESTS)]
+    elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
+        how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
+        yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
+    yield from findings
+
+
 def _rest(support: drive.Support) -> str:
     """That grains rest, and how strongly their support is shaken."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
-    return f"grains rest on each other under gravity{shaking}"
+    return f"{RESTS}{shaking}"
 
 
 def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Finding]:
@@ -775,23 +821,89 @@ def _stage(number: int, stage: Stage, support: drive.Support) -> CheckedStage:
     )
 
 
+def _held_in_script(
+    final: System, frames: Sequence[dumps.Frame], states: Sequence[dumps.State], barostat: bool
+) -> GrainState:
+    """How the grains of the last run are held together, in SI units."""
+    stage = final.last
+    examined = {id(case): case for case, _ in final.examined}
+    newest = max((case.stage for case in examined.values()), default=0)
+    fixed = [name for name, kind in stage.grains.items() if kind.frozen]
+    bed = None
+    if frames and stage.down:
+        bed = dumps.bed(frames[-1], _radii(stage), _densities(stage), stage.down, stage.dimension, fixed)
+    around = loads.Around(
+        cases=[case for case in examined.values() if case.stage == newest],
+        dimension=stage.dimension,
+        units=stage.units,
+        state=states[-1] if states else None,
+        bed=bed,
+        lasting=_contacts_last([row for _, row in final.examined], states),
+        barostat=barostat,
+    )
+    return _held(stage, drive.support(stage), final.options, around)
+
+
+def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
+    """A collisional flow under gravity is driven, but no homogeneous gas."""
+    flows = grains.regime == "collisional" and gravity
+    return replace(question, driven="a collisional flow under gravity") if flows else question
+
+
+def _step_at_rest(grains: GrainState, system: System, last: Stage) -> corrections.LargestStep | None:
+    """A safe time step of grains in lasting contact in the units of their run; None for other systems than the last."""
+    longest = grains.largest_stable_step
+    if longest is None or grains.regime == "collisional" or system.last is not last:
+        return None
+    share, contacts = at_rest.SAFE_SHARE, digits(grains.coordination or 0.0, 2)
+    step = share * longest / SCALES[last.units][2]
+    return corrections.LargestStep(
+        step, f"{share:g} of the longest stable one at {contacts} contacts per grain"
+    )
+
+
+def _held(stage: Stage, support: drive.Support, options: Options, around: loads.Around) -> GrainState:
+    """How grains are held together, in SI units; ``options`` are in the units of the run."""
+    rate = None if options.drive is None else options.drive.shear_rate
+    load = loads.load_of(stage, support, options.load, rate, around)
+    state = at_rest.grain_state(around.cases, load, stage.time_step, around.dimension)
+    mass, length, time = SCALES[stage.units]
+    unit = mass / (length ** (around.dimension - 2) * time**2)
+    step, pressure = state.largest_stable_step, state.pressure
+    springs = [
+        case.spring_powers for case in around.cases if case.spring and case.spring[0] == state.stiffness
+    ]
+    return replace(
+        state,
+        stiffness_unit=_unit(springs[0], stage.units) if springs else None,
+        pressure=None if pressure is None else pressure * unit,
+        largest_stable_step=None if step is None else step * time,
+    )
+
+
+def _words_of_state(state: GrainState, units: str, dimension: int = 3) -> str:
+    """The sentence on how grains are held together, after a blank."""
+    text = state_words.sentence(state, units == "lj", dimension)
+    return f" {text}" if text else ""
+
+
 # --- systems and numbers --------------------------------------------------------------------------------------
 
 
 def _of_system(system: ParticleSystem, law: Law, options: Options, step: float | None) -> Verdict:
     walls = "wall" in system.boundary
-    temperature = system.granular_temperature
+    temperature, support = system.granular_temperature, drive.support_of_system(system)
+    overlap, coordination, several = loads.contacts_of_system(system) if support.rests else (None, None, None)
     state = dumps.State(
         step=0,
         grains=system.n,
         packing_fraction=system.packing_fraction,
         temperature=temperature,
         mean_diameter=2.0 * float(system.radius.mean()),
-        largest_overlap=None,
-        coordination=None,
-        in_several_contacts=None,
+        largest_overlap=overlap,
+        coordination=coordination,
+        in_several_contacts=several,
     )
-    support = drive.support_of_system(system)
     resting = [Finding(_rest(support))] * support.rests
     in_system = drive.of_system(system)
     if options.drive is None and not options.speeds and not system._walls_move:
@@ -800,16 +912,22 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
     driven = drive.words_of(None, support) if options.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
     question = answer.Question(quantity, False, driven, drive.option_of(support, 1.0, 1.0), purpose)
+    pull = float(np.linalg.norm(system.gravity))
+    stage = replace(
+        NO_RUN, gravity=pull or None, shear_rate=abs(system.shear_rate) or None, dimension=system.dimension
+    )
     return _of_law(
         balls=cases.sizes(system),
         law=law,
         options=options,
         step=step,
-        dimension=system.dimension,
+        stage=stage,
         walls=walls,
         states=(state,),
         resting=resting,
         question=question,
+        support=support,
+        bed=loads.bed_of_system(system),
     )
 
 
@@ -818,17 +936,20 @@ def _of_law(
     law: Law,
     options: Options,
     step: float | None,
-    dimension: int,
+    stage: Stage,
     walls: bool,
     states: tuple[dumps.State, ...] = (),
     resting: Sequence[Finding] = (),
     question: answer.Question | None = None,
+    support: drive.Support = NO_SUPPORT,
+    bed: tuple[float, float] | None = None,
 ) -> Verdict:
     if question is None:
         question = answer.Question("cooling" if options.drive is None else options.drive.quantity)
     contacts = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
+    dimension = stage.dimension
     dumped = _states(_frames(options), radii, dimension, densities)
     question = replace(question, dumped=bool(dumped))
     gas, speeds = _surroundings(options, dumped or states, dimension)
@@ -837,12 +958,23 @@ def _of_law(
     examined = _examined(contacts, gas, speeds, options.drive, options.drive or question.purpose, chosen)
     rows = [_in_si(*pair, "si") for pair in examined]
     at = "" if speeds or options.drive or all(row.speed is None for row in rows) else " at 1 m/s"
-    invalidates = [*resting, *_lasting((), (), rows, dumped, bool(at))]
+    around = loads.Around(
+        cases=contacts,
+        dimension=dimension,
+        state=next(reversed(dumped or states), None),
+        bed=bed,
+        lasting=_contacts_last(rows, dumped),
+    )
+    grains = _held(replace(stage, time_step=step), support, options, around)
+    question = _flowing(question, grains, stage.gravity is not None)
+    invalidates = [*_held_together(grains, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive), dumped)
     admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
     return Verdict(
         admissible=admissible,
-        sentence=sentence + answer.steady(rows, options.drive, False),
+        sentence=sentence
+        + answer.steady(rows, options.drive, False)
+        + _words_of_state(grains, "si", dimension),
         code=None,
         version=None,
         units="si",
@@ -863,4 +995,5 @@ def _of_law(
         quantity=None if question.driven else question.quantity,
         restitution_error=options.restitution_error,
         speeds_chosen=bool(at),
+        state=grains,
     )

@@ -16,9 +16,10 @@ from ..boxes.error_law import KNOWN_RULES, MEASURED_TC_NU
 from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
+from ..contact import frictional_contact
 from ..convert.force import AdhesiveForce, Collision, Force
 from . import friction
-from .expectation import ACCEPTED, Expected, expected
+from .expectation import ACCEPTED, Expected, expected, expected_rubbing, rubbing, smooth_error
 from .friction import SMOOTH, SMOOTH_LAW, SPHERE, CheckedFriction, FrictionLaw
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
@@ -72,7 +73,9 @@ class Surroundings:
     #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
     heat_share: Callable[[float], float] | None = None
     restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
-    rubs: bool = False  #: whether there is friction between some of its grains
+    frictions: tuple[float | None, ...] = (
+        0.0,
+    )  #: the coefficients of friction between its grains; None: not known
 
     def collision_rate(self, speed: float, diameter: float) -> float:
         """Enskog's collision rate of one grain, where ``speed`` is the mean impact speed √(πT)."""
@@ -151,13 +154,14 @@ class CheckedContact:
     tc_nu: float | None = None  #: duration times collision rate of a grain
     delta_over_d: float | None = None  #: greatest overlap at the mean impact speed, over the diameter
     error: Errors = field(default_factory=dict)  #: of event-driven cooling
-    rule: str = "constant"  #: of the event-driven simulation that the answer is about: "law" if ε depends on the speed
+    rule: str = "constant"  #: of the event-driven grains: "law" with friction or if ε depends on the speed
     heated_error: float | None = None  #: of the temperature of an event-driven gas at equal heating
     heated_error_bar: float | None = None  #: its standard error
     sheared_error: float | None = None  #: of the shear stress of event-driven spheres at equal shear rate
     sheared_error_bar: float | None = None  #: its standard error
-    friction: CheckedFriction = SMOOTH  #: with friction, no error is known
-    frictionless_error: float | None = None  #: of the quantity asked for, without friction
+    friction: CheckedFriction = SMOOTH  #: that of the event-driven grains, too
+    frictionless_error: float | None = None  #: of the quantity asked for, of grains without friction
+    smooth_error: float | None = None  #: of event-driven cooling without the friction, in theory
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
     other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
@@ -326,6 +330,7 @@ def _in_gas(
     # It is the law of equal grains: others have another collision rate, by about the ratio of their radii.
     radii = first.radius, second.radius
     unequal = min(max(radii) / min(radii) - 1.0, 1.0)
+    wider = math.hypot(prolonged, unequal)
 
     def with_bar(rule: str, tc_nu: float) -> Expected | None:
         assert gas.packing_fraction is not None
@@ -338,13 +343,14 @@ def _in_gas(
             prediction = prediction._replace(
                 temperature=(prediction.temperature[0] * share, prediction.temperature[1] * share)
             )
-        return prediction and prediction.wider(math.hypot(prolonged, unequal))
+        return prediction and prediction.wider(wider)
 
     usual = usual_rule(force)
     known = with_bar(usual, tc_nu)
-    if case.friction.coefficient != 0.0 or gas.rubs:
+    if case.friction.coefficient != 0.0 or any(mu != 0.0 for mu in gas.frictions):
         decisive = None if known is None else getattr(known, gas.quantity)
-        return numbers | {"frictionless_error": None if decisive is None else decisive[0]}
+        numbers["frictionless_error"] = None if decisive is None else decisive[0]
+        return numbers | _with_friction(case, force, (first, second), gas, mean, tc_nu, wider)
     for rule in KNOWN_RULES:
         if RULES[rule].has_constant_restitution and usual == DEFAULTS["law"]:
             continue  # its error has another cause as well, the ε that depends on the speed
@@ -356,6 +362,47 @@ def _in_gas(
         largest = _largest_tc_nu(lambda x: getattr(with_bar(usual, x), gas.quantity))
         numbers["softening"] = None if largest is None else (tc_nu / largest) ** exponent
     return numbers
+
+
+def _with_friction(
+    case: Case,
+    force: Force,
+    bodies: tuple[KnownBody, KnownBody],
+    gas: Surroundings,
+    mean: Collision,
+    tc_nu: float,
+    wider: float,
+) -> dict[str, Any]:
+    """The error of event-driven cooling with the friction of the grains, if all have the same; empty if not known.
+
+    ``wider``: a further relative error.
+    """
+    law, phi, speed = case.friction, gas.packing_fraction, gas.mean_speed or 1.0
+    if gas.quantity != "cooling" or not law.coefficient or law.terms is None or phi is None:
+        return {}
+    if len(gas.frictions) > 1:
+        return {}
+    own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, speed), speed)
+    depth = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0).compression
+    grains = rubbing(own.terms, friction.ratios(own, depth), bodies[0].inertia_factor)
+    if grains is None:
+        return {}
+    state = gas.dimension, phi, mean.restitution, force.powers, grains
+
+    def error(rule: str, x: float) -> tuple[float, float] | None:
+        prediction = expected_rubbing(rule, *state, x)
+        return prediction and prediction.wider(wider).cooling
+
+    if error("law", tc_nu) is None:
+        return {}
+    numbers: dict[str, Any] = {}
+    for rule in ("constant", "law") if usual_rule(force) == "constant" else ("law",):
+        if (value := error(rule, tc_nu)) is not None:
+            numbers[rule], numbers[f"{rule}±"] = value
+    largest = _largest_tc_nu(lambda x: error("law", x))
+    exponent = 0.25 * force.powers.elastic + 1.0
+    softening = None if largest is None else (tc_nu / largest) ** exponent
+    return numbers | {"rule": "law", "smooth_error": smooth_error(*state), "softening": softening}
 
 
 def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:

@@ -1,19 +1,17 @@
-"""Read text dumps of LAMMPS and LIGGGHTS, and compute what they say about the gas: packing, temperature, contacts."""
+"""Text dumps of LAMMPS and LIGGGHTS: what they say about the gas: packing, temperature, contacts."""
 
 from __future__ import annotations
 
-import gzip
-import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from pathlib import Path
-from typing import IO, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..boxes.files import dump
 from ..support import validation
 
 Floats = NDArray[np.float64]
@@ -23,27 +21,7 @@ MAX_FRAMES: Final = 20
 #: Shares of impacts with lower speeds, at which speeds are given.
 QUANTILES: Final = (0.1, 0.5, 0.9)
 
-
-#: Columns that are used, beside ``type``.
-COLUMNS: Final[tuple[str, ...]] = (
-    *("x", "y", "z", "xs", "ys", "zs", "xu", "yu", "zu", "xsu", "ysu", "zsu"),
-    *("vx", "vy", "vz", "radius", "diameter", "mass", "density"),
-)
-#: Items of a frame with their numbers of lines; other items have one.
-ITEMS: Final = {"BOX BOUNDS": 3, "NUMBER OF ATOMS": 1, "ATOMS": 0}
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One frame of a dump, in its own units."""
-
-    step: int
-    low: Floats  #: (3,)
-    high: Floats  #: (3,)
-    periodic: tuple[bool, ...]
-    columns: Mapping[str, Floats]
-    types: list[str] | None
-    count: int  #: number of grains
+Frame = dump.DumpFrame
 
 
 @dataclass(frozen=True)
@@ -87,71 +65,18 @@ def read(path: str | Path) -> list[Frame]:
     """
     name = validation.shown(str(path))
     try:
-        with _opened(path) as lines:
-            count = sum(1 for _ in _blocks(lines))
+        count = sum(1 for _ in dump.blocks(path))
         chosen = {round(k) for k in np.linspace(0, count - 1, min(count, MAX_FRAMES))}
-        with _opened(path) as lines:
-            return [_frame(*block) for k, block in enumerate(_blocks(lines)) if k in chosen]
+        frames = [dump.parsed(block) for k, block in enumerate(dump.blocks(path)) if k in chosen]
     except FileNotFoundError as error:
         raise validation.unreadable(path, error, "dump") from None
-    except (OSError, EOFError, UnicodeDecodeError) as error:
-        because = getattr(error, "strerror", None) or str(error)
-        raise ValueError(f"dump: got {name}, cannot be read: {because}") from None
+    except OSError as error:
+        raise ValueError(f"dump: got {name}, cannot be read: {error.strerror or error}") from None
     except ValueError as error:
         raise ValueError(f"dump: got {name}, {error}") from None
-
-
-def _opened(path: str | Path) -> IO[str]:
-    return (
-        gzip.open(path, "rt", encoding="utf-8") if str(path).endswith(".gz") else open(path, encoding="utf-8")
-    )
-
-
-def _blocks(lines: IO[str]) -> Iterator[tuple[dict[str, tuple[list[str], list[str]]], list[str]]]:
-    """The items of each frame, each with the words of its title and its lines; and the lines of the grains."""
-    items: dict[str, tuple[list[str], list[str]]] = {}
-    frames = 0
-    for line in filter(str.strip, lines):
-        head, _, title = line.strip().partition(" ")
-        if head != "ITEM:":
-            raise ValueError("must be a text dump of LAMMPS or LIGGGHTS")
-        kind = next((item for item in ITEMS if title.startswith(item)), title)
-        items[kind] = title[len(kind) :].split(), list(islice(lines, ITEMS.get(kind, 1)))
-        if kind == "ATOMS":
-            words = "".join(items.get("NUMBER OF ATOMS", ([], []))[1]).split()
-            count = int(words[0]) if words and words[0].isdecimal() else 0
-            rows = list(islice(lines, count))
-            if count == 0 or len(rows) < count:
-                raise ValueError(f"its frame {frames + 1} is empty or cut off")
-            yield items, rows
-            items, frames = {}, frames + 1
-    if frames == 0:
-        raise ValueError("must have a frame with ITEM: ATOMS")
-
-
-def _frame(items: Mapping[str, tuple[list[str], list[str]]], rows: list[str]) -> Frame:
-    import pandas as pd
-
-    sides, lines = items.get("BOX BOUNDS", ([], []))
-    bounds = [line.split() for line in lines]
-    if len(sides) > 3 or any(len(words) > 2 for words in bounds):
-        raise ValueError("must have an orthogonal box, not a triclinic one")
-    names = items["ATOMS"][0]
-    try:
-        step = int("".join(items["TIMESTEP"][1]))
-        limits = np.array(bounds, float).reshape(3, 2)
-        table = pd.read_csv(io.StringIO("".join(rows)), sep=r"\s+", header=None, names=names, index_col=False)
-        columns = {name: table[name].to_numpy(float) for name in COLUMNS if name in names}
-    except (ValueError, KeyError):
-        raise ValueError("has a frame that is not numbers") from None
-    low, high = limits.T
-    if not (high > low).all() or not all(np.isfinite(column).all() for column in columns.values()):
-        raise ValueError(f"has missing numbers in the frame of step {step}")
-    periodic = tuple(side.startswith("p") for side in sides) if len(sides) == 3 else (True,) * 3
-    types = table["type"].astype(str).tolist() if "type" in names else None
-    return Frame(
-        step=step, low=low, high=high, periodic=periodic, columns=columns, types=types, count=len(rows)
-    )
+    if any(frame.tilt is not None for frame in frames):
+        raise ValueError(f"dump: got {name}, must have an orthogonal box, not a triclinic one")
+    return frames
 
 
 # --- the state ------------------------------------------------------------------------------------------------
@@ -165,7 +90,8 @@ def state(
     ``radii`` and ``densities`` have those of each type with one size and with one density, for dumps without them.
     Without masses and densities, temperature and mean velocity are those of grains of equal density.
     """
-    radius, at = _radius(frame, radii), _positions(frame, dimension)
+    radius, place = _radius(frame, radii), frame.positions(dimension)
+    at = None if place is None else place[0]
     edges, periodic = (frame.high - frame.low)[:dimension], np.array(frame.periodic[:dimension])
     overlap = coordination = several = packing = temperature = None
     if radius is not None:
@@ -175,7 +101,7 @@ def state(
             # Along an axis with ends, the volume is that between the outermost grains.
             reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
             filled = np.where(periodic, edges, np.minimum(reach, edges))
-            overlap, coordination, several = _contacts(at, radius, edges, periodic)
+            overlap, coordination, several = contacts(at, radius, edges, periodic)
         packing = float(volume.sum() / np.prod(filled))
     names = ("vx", "vy", "vz")[:dimension]
     if all(name in frame.columns for name in names) and frame.count > 1:
@@ -194,6 +120,38 @@ def state(
         coordination=coordination,
         in_several_contacts=several,
     )
+
+
+def bed(
+    frame: Frame,
+    radii: Mapping[str, float],
+    densities: Mapping[str, float],
+    down: Sequence[float],
+    dimension: int,
+    fixed: Collection[str] = (),
+) -> tuple[float, float] | None:
+    """Height of the grains along gravity, and their mass over the area below them; None if it is not known.
+
+    ``down``: direction of gravity, which must be along an axis. ``fixed``: types that do not weigh on others.
+    """
+    axes = [k for k in range(dimension) if abs(down[k]) > 1.0 - 1e-9]
+    radius, place = _radius(frame, radii), frame.positions(dimension)
+    kinds = np.array(frame.types or [""] * frame.count)
+    moving = ~np.isin(kinds, list(fixed))
+    if len(axes) != 1 or radius is None or place is None or not moving.any():
+        return None
+    mass = frame.columns.get("mass")
+    if mass is None:
+        density = frame.columns.get("density", np.array([densities.get(name, 0.0) for name in kinds]))
+        mass = 4.0 / 3.0 * math.pi * radius**3 * density
+    mass, radius, at = mass[moving], radius[moving], place[0][moving]
+    edges = (frame.high - frame.low)[:dimension]
+    reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
+    filled = np.where(frame.periodic[:dimension], edges, np.minimum(reach, edges))
+    area = float(np.prod(np.delete(filled, axes[0])))
+    if not (mass > 0.0).all() or not area > 0.0:
+        return None
+    return float(reach[axes[0]]), float(mass.sum()) / area
 
 
 def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:
@@ -254,18 +212,7 @@ def _masses(frame: Frame, radius: Floats | None, densities: Mapping[str, float])
     return radius**3 * density if (density > 0.0).all() else radius**3
 
 
-def _positions(frame: Frame, dimension: int) -> Floats | None:
-    """Positions, from scaled ones if the dump has no others."""
-    low, high = frame.low[:dimension], frame.high[:dimension]
-    for end in ("", "u", "s", "su"):
-        names = [axis + end for axis in "xyz"[:dimension]]
-        if all(name in frame.columns for name in names):
-            vectors = np.stack([frame.columns[name] for name in names], axis=1)
-            return low + vectors * (high - low) if "s" in end else vectors
-    return None
-
-
-def _contacts(
+def contacts(
     at: Floats, radius: Floats, edges: Floats, periodic: NDArray[np.bool_]
 ) -> tuple[float, float, float]:
     """Largest overlap over the smaller radius, mean number of contacts, share of grains with several."""

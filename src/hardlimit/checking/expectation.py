@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cache
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
-from ..boxes.error_law import DENSEST, MEASURED_POWERS, ErrorLaw, Exponents, of_exponents
+from ..boxes.error_law import (
+    DENSEST,
+    MEASURED_POWERS,
+    ErrorLaw,
+    Exponents,
+    of_exponents,
+    with_friction,
+)
+from ..contact.friction import LIMITS, NONE, RECORD, SPRING, Friction, FrictionTerms
 from ..convert.force import Powers
 from ..support import validation
 
@@ -57,6 +66,75 @@ def expected(
         None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
     )
     return errors if form in MEASURED_POWERS else errors.wider(OTHER_POWERS)
+
+
+class Rubbing(NamedTuple):
+    """Grains with friction: what their error depends on."""
+
+    friction: Friction
+    inertia_factor: float
+
+
+def rubbing(terms: FrictionTerms, numbers: Mapping[str, Any], inertia_factor: float) -> Rubbing | None:
+    """The friction of a contact by its model and its ratios; None if they are not those of a :class:`Friction`."""
+    ratio, damping, mu = numbers.get("stiffness_ratio"), numbers.get("damping_ratio"), terms.coefficient
+    history = {"loading": terms.loading, "unloading": terms.unloading}
+    models = [model["name"] for model in RECORD["models"] if {key: model[key] for key in history} == history]
+    models = [name for name in models if name != NONE and (name == SPRING) == (terms.stiffness_power == 0)]
+    if not models or ratio is None or damping is None or not ratio > 0.0 or not 0.0 < mu < math.inf:
+        return None
+    rounded = {
+        "stiffness_ratio": float(f"{ratio:.6g}"),
+        "damping_ratio": float(f"{damping:.6g}"),
+    }
+    return Rubbing(Friction(mu, **rounded, model=models[0], limit=LIMITS[terms.limit]), inertia_factor)
+
+
+def expected_rubbing(
+    rule: str,
+    dimension: int,
+    packing_fraction: float,
+    restitution: float,
+    powers: Powers,
+    grains: Rubbing,
+    tc_nu: float,
+) -> Expected | None:
+    """The error of the cooling under the rule law or constant with the friction of the grains; None if it is not known.
+
+    The spins at the start are not known. It is the mean of a gas without spins and one of equal temperatures, and half
+    of their difference is in its bar.
+    """
+    laws = _rubbing_laws(rule, dimension, packing_fraction, float(f"{restitution:.6g}"), powers, grains)
+    if not laws:
+        return None
+    first, second = (law.error(tc_nu) for law in laws)
+    bar = max(law.error_bar(tc_nu) for law in laws)
+    return Expected((0.5 * (first + second), math.hypot(bar, 0.5 * (first - second))), None, None)
+
+
+def smooth_error(
+    dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing
+) -> float | None:
+    """The error of event-driven cooling that leaves the friction of the grains out, in theory, for the same spins."""
+    laws = _rubbing_laws("law", dimension, packing_fraction, float(f"{restitution:.6g}"), powers, grains)
+    return sum(law.smooth_error for law in laws) / len(laws) if laws else None
+
+
+@cache
+def _rubbing_laws(
+    rule: str, dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing
+) -> tuple[ErrorLaw, ...]:
+    """The law of the error of gases without spins and of equal temperatures; none if it is not known."""
+    form = (powers.elastic, powers.damping)
+    if packing_fraction > DENSEST[dimension] or form not in MEASURED_POWERS:
+        return ()
+    smooth = of_exponents(dimension, packing_fraction, restitution, rule, Exponents.of(form))
+    try:
+        return tuple(
+            with_friction(smooth, grains.friction, theta, grains.inertia_factor, form) for theta in (0.0, 1.0)
+        )
+    except ValueError:  # far from what was measured
+        return ()
 
 
 @cache

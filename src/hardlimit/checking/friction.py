@@ -115,7 +115,7 @@ def numbers(
     """All results, and β by the number of its angle; those that do not exist are infinite or NaN, or are missing."""
     own = frictional_contact.in_own_units(contact, speed)
     collision = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0)
-    results, half_period = _ratios(own, collision.compression), frictional_contact.half_period(own, 1.0)
+    results, half_period = ratios(own, collision.compression), frictional_contact.half_period(own, 1.0)
     if not collision.restitution > 0.0:
         return results
     results["half_period"] = half_period
@@ -150,7 +150,7 @@ def _changes(own: FrictionalContact) -> dict[str, float]:
     }
 
 
-def _ratios(own: FrictionalContact, compression: float) -> dict[str, Any]:
+def ratios(own: FrictionalContact, compression: float) -> dict[str, Any]:
     """Tangential over normal stiffness and damping at a compression."""
     terms, (elastic, damped, _) = own.terms, own.powers
     p, q = 0.25 * elastic, 0.25 * damped

@@ -12,6 +12,7 @@ from ..boxes.error_law import KNOWN_RULES
 from ..boxes.time_step import DEFAULT_ERROR
 from ..support import html
 from ..support.formatting import digits
+from .at_rest import GAS, GrainState
 from .contacts import CheckedContact
 from .dumps import State
 
@@ -42,6 +43,7 @@ NUMBERS = {
     "sheared_error": "1",
     "sheared_error_bar": "1",
     "frictionless_error": "1",
+    "smooth_error": "1",
     "softening": "1",
 }
 #: Numbers of the friction of a contact in the Dataset: their fields, and their units.
@@ -129,6 +131,7 @@ class Verdict:
     quantity: str | None = "cooling"  #: whose error decides: also "temperature", "stress"; None without law
     restitution_error: float = DEFAULT_ERROR  #: of ε, that the corrected time step causes
     speeds_chosen: bool = False  #: whether the speeds of the contacts are examples, because none is given
+    state: GrainState = GAS  #: how grains are held together, at the last run
     question: str = QUESTION  #: that the sentence answers
     inferred: tuple[Inferred, ...] = ()  #: what follows from the script, and is not given beside it
 
@@ -204,6 +207,7 @@ class Verdict:
             "quantity": self.quantity,
             "restitution_error": self.restitution_error,
             "speeds_chosen": self.speeds_chosen,
+            "state": self.state.to_dict(),
             "inferred": [number._asdict() for number in self.inferred],
             "admissible": self.admissible,
             "question": self.question,

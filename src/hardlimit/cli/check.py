@@ -12,6 +12,7 @@ import click
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..checking import check as checked
+from ..checking import state_words
 from ..checking.answer import Question, given_by, judged, stiffness
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
@@ -84,6 +85,14 @@ script_options = options(
     quantity_option("--shear", "shear_rate", unit="1/s", help="Shear rate [1/s] instead of the speed."),
     quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
     quantity_option(
+        "--pressure",
+        unit="Pa",
+        help="Pressure on grains at rest [Pa]; as in the script if it is in lj units.",
+    ),
+    quantity_option(
+        "--height", unit="m", help="Height of the bed [m], instead of the pressure at its bottom."
+    ),
+    quantity_option(
         "--restitution-error",
         unit="1",
         help="Error of ε that a time step may cause: that of the corrected lines.  [default: 0.001]",
@@ -132,6 +141,8 @@ def check(
     power: float | None,
     shear_rate: float | None,
     packing_fraction: float | None,
+    pressure: float | None,
+    height: float | None,
     restitution_error: float | None,
     variables: dict[str, str],
     code: str | None,
@@ -148,6 +159,9 @@ def check(
     if sum(value is not None for value in (speed, power, shear_rate)) > 1:
         raise ValueError("--speed | --power | --shear: must be at most one of them")
     conditions |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
+    if pressure is not None and height is not None:
+        raise ValueError("--pressure | --height: must be at most one of them")
+    conditions |= {"pressure": pressure, "height": height}
     scripted: dict[str, Any] = {"code": code, "version": version, "variables": variables}
     if file is None:
         verdict = from_numbers(numbers, scripted, conditions)
@@ -215,6 +229,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
         say(" ".join(remarks))
     if verbose:
         details(verdict)
+        for line in state_words.details(verdict):
+            say(line)
     say(lists(verdict, verbose))
     more = " More: --verbose." if verdict.admissible is False and not verbose else ""
     corrected = corrections(verdict)
@@ -494,13 +510,10 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
+    at_rest = {"speeds", "packing"} if verdict.state.name in ("rest", "pressed", "flow") else set()
     estimated = {"speeds"} if any(number.what == "speed" for number in verdict.inferred) else set()
-    missing = [what for what in verdict.missing if what not in estimated]
-    if (
-        missing
-        and listed(missing) not in verdict.sentence
-        and listed(verdict.missing) not in verdict.sentence
-    ):
+    missing = [what for what in verdict.missing if what not in at_rest | estimated]
+    if missing and not any(listed(words) in verdict.sentence for words in (missing, verdict.missing)):
         parts.append(f"Not known: {listed(missing)}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))
 

@@ -11,10 +11,11 @@ import click
 
 import hardlimit as hl
 
-from ..boxes.system import described
+from ..boxes.system import ROUNDING, described
 from ..column import files
 from ..fidelity_study import ENGINES, MODELS
 from ..fidelity_study import report as texts
+from ..fidelity_study.starts import is_redrawn
 from ..support import machine, validation
 from ..support.formatting import digits
 from .gas_job import (
@@ -101,8 +102,9 @@ def compare(
 
     FILE and the options of start and law are those of hardlimit gas. The default law is linear with a stiffness of 1e6
     N/m and a restitution of 0.9. Each replica starts from another random state, or, if FILE has particles, from another
-    equilibrium state of these particles. From a job file, this command uses start, law, until, samples, restitution and
-    contact duration.
+    equilibrium state of these particles; under gravity or with moving walls there is one replica. Hard spheres that
+    overlap at the start collide at once if they approach, and fly apart if not. From a job file, this command uses
+    start, law, until, samples, restitution and contact duration.
     """
     saved, picture_file = writable("out", out, ".nc"), picture("plot", plot)
     arguments = {entry.name: params.pop(entry.name) for entry in ARGUMENTS}
@@ -111,7 +113,11 @@ def compare(
     start, fidelity = compared(job, law, {name: v for name, v in arguments.items() if v not in (None, ())})
     written, failures = write_files((saved, fidelity.save), (picture_file, partial(draw, fidelity, dpi)))
     if as_json:
-        print_json(as_mapping(fidelity, written))
+        overlaps = {
+            "largest_overlap": start.largest_overlap,
+            "energy_of_overlaps": energy_of_overlaps(start, law),
+        }
+        print_json(as_mapping(fidelity, written) | overlaps)
     else:
         print_report(start, law, fidelity, written)
     raise_all(failures)
@@ -141,11 +147,19 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
     else:
         system = start = job.start()
     run.setdefault("until", default_end(start))
-    run.setdefault("replicas", REPLICAS)
+    run.setdefault("replicas", REPLICAS if job.file is None or is_redrawn(start) else 1)
     if "scheduler" not in run:
         run.setdefault("workers", machine.processors())
     with goes_on_from(run.get("store"), "replicas"):
         return start, hl.fidelity(system, law=law, **run, progress=True)
+
+
+def energy_of_overlaps(start: hl.ParticleSystem, law: hl.Law) -> float:
+    """Elastic energy of the contacts at the start over its kinetic energy; hard spheres do not have it."""
+    if start.largest_overlap <= ROUNDING or start.kinetic_energy == 0.0:
+        return 0.0
+    stored = hl.molecular_dynamics(start, law=law, until=0.0).series.contact_energy
+    return float(stored.values[0]) / start.kinetic_energy
 
 
 def contact_law(job: GasJob) -> hl.Law:
@@ -176,6 +190,7 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, fidelity: hl.Fidelity, w
     out = console()
     rows = [
         *described(start),
+        *overlap_rows(start, law),
         ("contact duration t_c [s]", digits(fidelity.contact_duration, 4)),
         ("t_c ν, mean of the run", digits(fidelity.tc_nu, 3)),
         ("δ/d, mean greatest compression", digits(fidelity.delta_over_d, 3)),
@@ -196,6 +211,12 @@ def print_report(start: hl.ParticleSystem, law: hl.Law, fidelity: hl.Fidelity, w
     show(out, "Contacts", table(*texts.contacts(fidelity)))
     out.print(in_options(fidelity.summary()), markup=False)
     print_files(out, written)
+
+
+def overlap_rows(start: hl.ParticleSystem, law: hl.Law) -> list[tuple[str, str]]:
+    """What overlaps at the start mean, if there are any."""
+    energy = energy_of_overlaps(start, law)
+    return [("energy of the overlaps / kinetic, not in hard spheres", digits(energy, 3))] if energy else []
 
 
 def as_mapping(fidelity: hl.Fidelity, files: list[Path]) -> dict[str, Any]:

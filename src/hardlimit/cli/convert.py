@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from typing import Any
 
 import click
@@ -461,7 +462,8 @@ def show_obtained(obtained: Obtained, params: dict[str, Any], as_json: bool) -> 
         if obtained.restitution > 0.0
         else "The bodies do not separate."
     )
-    friction = [f"friction: {said}"] if (said := words([obtained.friction])) else []
+    but_for_table = replace(obtained.friction, tangential_restitution=())
+    friction = [f"friction: {said}"] if (said := words([but_for_table])) else []
     below = " ".join([below, *map(sentence, [*friction, *obtained.notes])])
     speed = 1.0 if params["speed"] is None else params["speed"]
     title = f"{obtained.code.title} {obtained.model.name} at {digits(speed)} m/s"

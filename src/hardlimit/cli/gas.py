@@ -140,11 +140,12 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **params: Any) -> None:
     """Simulate a box of grains as hard spheres.
 
-    FILE is a job (.toml) or a state to start from (.xyz, .gsd, .data). Without a file, 1000 spheres of radius 1 mm and
-    density 2500 kg/m³ start at random in a periodic box with a packing fraction of 0.3 and a restitution of 0.9. With
-    --restitution alone, all collisions have this ε; with the parameters of a contact law, ε depends on the pair and
-    the impact speed. With --engine, Newton's equations are solved for this law instead. With --friction, grains rub and
-    spin: collisions that do not slide have the --tangential-restitution, or what the contact law gives. Results of
+    FILE is a job (.toml) or a state to start from (.xyz, .gsd, .data, or a text dump of LAMMPS or LIGGGHTS); --density
+    and --radius fill what it lacks, and --boundary puts walls around it. Without a file, 1000 spheres of radius 1 mm
+    and density 2500 kg/m³ start at random in a periodic box with a packing fraction of 0.3 and a restitution of 0.9.
+    With --restitution alone, all collisions have this ε; with the parameters of a contact law, ε depends on the pair
+    and the impact speed. With --engine, Newton's equations are solved for this law instead. With --friction, grains rub
+    and spin: collisions that do not slide have the --tangential-restitution, or what the contact law gives. Results of
     equal spheres come with the predictions of kinetic theory. Numbers may have a unit, such as 1mm or 2/7.
 
     hardlimit gas compare solves one start under Newton's equations and each collision rule.

@@ -11,8 +11,10 @@ from typing import Any, Final
 
 import hardlimit as hl
 
+from ..boxes import files as box_files
 from ..boxes.box import BOUNDARIES
 from ..boxes.files import FORMATS
+from ..boxes.files.completion import UNITS
 from ..boxes.hard_spheres import expected_duration
 from ..boxes.rules import RULES
 from ..boxes.theory import Gas
@@ -83,11 +85,22 @@ START: Final = (
         "1/s",
     ),
     Entry("heat", "Heat the grains by random kicks of this total power [W].", "W"),
+    Entry("frame", "Index of the frame of FILE.  [default: the last one]", kind=int),
+    Entry("units", f"Units of FILE: {' | '.join(UNITS)}.  [default: those that it names, or si]"),
+    Entry(
+        "allowed_overlap",
+        "Largest accepted overlap of grains in FILE, relative to the sum of their radii.  [default: rounding errors]",
+        "1",
+    ),
 )
 OF_SHAKING: Final = ("shake", "wall", "waveform")
 OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "shear", "heat")
-#: What may change in a start from a file.
-OF_A_FILE: Final = (*OF_THE_BOX, "inertia_factor")
+#: How a file is read, and what it may lack.
+OF_READING: Final = ("frame", "units", "allowed_overlap")
+#: Arguments of ``ParticleSystem.read``.
+READ: Final = (*OF_READING, "radius", "density", "inertia_factor", "boundary", "gravity")
+#: What may be given with a start from a file.
+OF_A_FILE: Final = (*OF_THE_BOX, *READ)
 #: Options that stand for arguments of Python in messages.
 ALIASES: Final = {
     **dict.fromkeys(("path", "file"), "FILE"),
@@ -165,11 +178,12 @@ def read(file: str | None) -> dict[str, Any]:
     if file is None:
         return {}
     ending = Path(file).suffix.lower()
-    if ending in FORMATS:
+    if ending != ".toml" and box_files.is_readable(file):
         return {"start": file}
     if ending != ".toml":
         raise ValueError(
-            f"FILE: got {validation.shown(file)}, must end in {listed(['.toml', *FORMATS], 'or')}"
+            f"FILE: got {validation.shown(file)}, must end in {listed(['.toml', *FORMATS], 'or')}, or be a "
+            "text dump of LAMMPS or LIGGGHTS"
         )
     content = toml.read(file)
     tables = columns.prefixed(f"{file}: ", lambda: toml.table("", content, KINDS))
@@ -199,6 +213,10 @@ class GasJob:
         power, rate = settings.pop("heat", None), settings.pop("shear", None)
         shaken: dict[str, str] = {name: settings.pop(name) for name in OF_SHAKING if name in settings}
         if self.file is None:
+            for name in OF_READING:
+                if name in settings:
+                    shown = validation.shown(settings[name])
+                    raise ValueError(f"{name}: got {shown}, must be left out without a start from a file")
             arguments = GLASS_BEADS | settings
             d, sides = arguments.get("dimension", 3), arguments.get("boundary")
             arguments |= moving_walls(shaken, d, sides)
@@ -207,15 +225,26 @@ class GasJob:
         for name in settings:
             if name not in OF_A_FILE:
                 raise ValueError(f"{name}: must be left out with a start from a file")
-        system = hl.ParticleSystem.read(self.file)
-        sides = settings.get("boundary")
-        settings |= moving_walls(shaken, system.dimension, settings.get("boundary", system.boundary))
-        settings |= shear(rate, sides, system.boundary)
-        changed_box = system.replace(**settings) if settings else system
+        return heated(self._read(settings, shaken, rate), power)
+
+    def _read(
+        self, settings: dict[str, Any], shaken: dict[str, str], rate: float | None
+    ) -> hl.ParticleSystem:
+        """The start from the file. Walls around its grains, gravity and shear may be those of the options."""
+        assert self.file is not None
+        reading: dict[str, Any] = {name: settings[name] for name in READ if name in settings}
+        if rate is not None and box_files.is_tilted(self.file):
+            reading["shear_rate"], rate = rate, None  # the flow is that of the file
+        system = hl.ParticleSystem.read(self.file, **reading)
+        changes = moving_walls(shaken, system.dimension, system.boundary)
+        changes |= shear(rate, settings.get("boundary"), system.boundary)
+        if not changes:
+            return system
+        changed_box = system.replace(**changes, allowed_overlap=system.largest_overlap)
         if rate is not None:  # the flow changes, velocities relative to it do not
-            flow = [system.domain.mean_flow(system.positions) for system in (changed_box, system)]
+            flow = [box.domain.mean_flow(system.positions) for box in (changed_box, system)]
             changed_box = changed_box.replace(velocities=system.velocities + flow[0] - flow[1])
-        return heated(changed_box, power)
+        return changed_box
 
     def contact_law(self) -> hl.Law | None:
         """The law of the job file, changed by the options; None if there is neither."""

@@ -141,7 +141,8 @@ class Contact:
         Raises
         ------
         ValueError
-            If a value is outside its range, the floor is to spin, or the force of the law is not K ξ^p + C ξ^q dξ/dt.
+            If a value is outside its range, the kinetic energy is outside [1e-290, 1e300] J, the floor is to spin, or
+            the force of the law is not K ξ^p + C ξ^q dξ/dt.
         RuntimeError
             If 100000 steps or changes between stick and slip do not suffice, as where k_t or γ_t is very much larger
             than the stiffness or damping of the normal force.

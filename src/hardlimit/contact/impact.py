@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -26,6 +26,9 @@ Floats = NDArray[np.float64]
 SMOOTH: Final = FrictionTerms(0.0)
 #: The energies that the core adds up, by the names of its ledger.
 LEDGER: Final = ("normal_spring", "tangential_spring", "normal_damping", "tangential_damping", "friction")
+#: Kinetic energies [J] before a contact whose parts keep their digits.
+LEAST_ENERGY: Final = 1e-290
+LARGEST_ENERGY: Final = 1e300
 #: Times of a trajectory by default, beside those at which stick and slip begin.
 SAMPLES: Final = 401
 #: Unit and meaning of what a trajectory holds.
@@ -180,10 +183,7 @@ class Impact:
     @property
     def initial_energy(self) -> float:
         """Kinetic energy [J] before the contact."""
-        return _translational(self.ball, self.speed, self.tangential_speed) + sum(
-            _rotational(body, spin)
-            for body, spin in zip((self.ball, self.other), self.initial_spins, strict=True)
-        )
+        return _kinetic(self.ball, self.other, (self.speed, self.tangential_speed, *self.initial_spins))
 
     @property
     def energies(self) -> dict[str, float]:
@@ -280,11 +280,27 @@ def _inertia(body: Ball | Floor) -> float:
 
 
 def _translational(body: Ball | Floor, along: float, aside: float) -> float:
-    return 0.5 * body.mass * (along**2 + aside**2) if isinstance(body, Ball) else 0.0
+    return 0.5 * (body.mass * along * along + body.mass * aside * aside) if isinstance(body, Ball) else 0.0
 
 
 def _rotational(body: Ball | Floor, spin: float) -> float:
-    return 0.5 * body.moment_of_inertia * spin**2 if isinstance(body, Ball) else 0.0
+    return 0.5 * body.moment_of_inertia * spin * spin if isinstance(body, Ball) else 0.0
+
+
+def _kinetic(ball: Ball, other: Ball | Floor, motion: Sequence[float]) -> float:
+    """Kinetic energy [J] of a ball with this normal and tangential velocity and of the spins of both bodies."""
+    along, aside, *spins = motion
+    bodies = zip((ball, other), spins, strict=True)
+    return _translational(ball, along, aside) + sum(_rotational(body, spin) for body, spin in bodies)
+
+
+def check_energy(arguments: str, energy: float) -> None:
+    """Refuse a contact whose energies overflow or lose their digits."""
+    if not LEAST_ENERGY <= energy <= LARGEST_ENERGY:
+        raise ValueError(
+            f"{arguments}: got a kinetic energy of {energy:g} J, "
+            f"must be in [{LEAST_ENERGY:g}, {LARGEST_ENERGY:g}]"
+        )
 
 
 def impact_of(
@@ -304,6 +320,7 @@ def impact_of(
     motion : four floats
         Normal and tangential speed [m/s], spins [rad/s].
     """
+    check_energy("speed | tangential_speed | spin", _kinetic(*bodies, motion))
     (ball, other), (speed, tangential_speed, *spins) = bodies, motion
     slip = slip_velocity(ball, other, tangential_speed, spins[0], spins[1])
     solved = _core.frictional_impact(*numbers, speed, abs(slip), np.empty(0))

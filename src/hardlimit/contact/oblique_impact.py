@@ -16,7 +16,7 @@ from .. import _core
 from ..support import validation
 from .balls import FLOOR, Ball, Floor
 from .contact import Contact, Law
-from .impact import LEDGER, SAMPLES, Interval, arm
+from .impact import LEDGER, SAMPLES, Interval, arm, check_energy
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -154,7 +154,7 @@ class ObliqueImpact:
     @property
     def initial_energy(self) -> float:
         """Kinetic energy [J] before the contact, in the frame of the centre of mass; at a wall in that of the wall."""
-        return sum(self._kinetic(self.initial_velocities, self.initial_spins))
+        return sum(_kinetic(self.contact, self.initial_velocities, self.initial_spins))
 
     @property
     def energies(self) -> dict[str, float]:
@@ -163,17 +163,8 @@ class ObliqueImpact:
         ``translational`` and ``rotational`` are of the bodies, in the frame of the centre of mass or the wall. The
         others are those of :attr:`Impact.energies`.
         """
-        moving, turning = self._kinetic(self.velocities, self.spins)
+        moving, turning = _kinetic(self.contact, self.velocities, self.spins)
         return {"translational": moving, "rotational": turning, **self.ledger}
-
-    def _kinetic(self, velocities: Floats, spins: Floats) -> tuple[float, float]:
-        relative = np.diff(velocities, axis=0)[0]
-        rotational = sum(
-            0.5 * body.moment_of_inertia * float(spin @ spin)
-            for body, spin in zip((self.contact.ball, self.contact.other), spins, strict=True)
-            if isinstance(body, Ball)
-        )
-        return 0.5 * self.contact.effective_mass * float(relative @ relative), rotational
 
     @property
     def equivalent(self) -> EquivalentCollision:
@@ -302,7 +293,8 @@ def oblique_impact(
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the bodies do not approach each other.
+        If an argument is outside its range, the kinetic energy is outside [1e-290, 1e300] J, or the bodies do not
+        approach each other.
     RuntimeError
         If the contact becomes too deep, or is not resolved.
 
@@ -333,7 +325,20 @@ def oblique_impact(
         raise ValueError(
             "velocity | other_velocity | normal: the bodies must approach each other along the normal"
         )
+    check_energy("velocity | other_velocity | spins", sum(_kinetic(contact, moves, turns)))
     return _solved(contact, moves, turns, n)
+
+
+def _kinetic(contact: Contact, velocities: Floats, spins: Floats) -> tuple[float, float]:
+    """Energies [J] of the relative motion of the centres and of the spins; overflow gives infinity."""
+    with np.errstate(over="ignore", under="ignore"):
+        relative = np.diff(velocities, axis=0)[0]
+        rotational = sum(
+            0.5 * body.moment_of_inertia * float(spin @ spin)
+            for body, spin in zip((contact.ball, contact.other), spins, strict=True)
+            if isinstance(body, Ball)
+        )
+        return 0.5 * contact.effective_mass * float(relative @ relative), rotational
 
 
 def _checked_contact(ball: Any, other: Any, law: Any) -> Contact:

@@ -72,10 +72,11 @@ def fidelity(
         sheared. States out of equilibrium or
         under gravity or with moving walls need a function instead, which is called with ``seed`` + k and returns the
         initial state of replica k, in a box of the same dimension, boundary, gravity and kind of driving. Each replica
-        gets another seed of its thermostat.
+        gets another seed of its thermostat. Particles may overlap (``allowed_overlap``): hard spheres then begin
+        without the energy of the overlaps (:doc:`/grains`).
     law : Law
-        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it; the law of
-        the error is that of grains without friction, so that nothing is predicted.
+        Contact law of Newton's equations and of the rules law and soft. With friction, all models have it, and the law
+        of the error predicts the rules law and constant.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
         Must include ``"newton"``. :func:`event_driven` describes the rules (Luding & McNamara 1998, Müller & Pöschel

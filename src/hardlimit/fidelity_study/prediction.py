@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from ..boxes import theory
-from ..boxes.contacts import rubs
+from ..boxes.contacts import mean_grain, rubs
 from ..boxes.error_law import MEASURED_TC_NU, ErrorLaw, error_law, exponents, softness
+from ..boxes.frictional_error import axes_of_rotation
 from ..boxes.rules import RULES
 from ..boxes.thermostats import RandomKicks
 from ..checking.expectation import SHEAR_BAR
@@ -26,6 +27,8 @@ FEWEST_PARTICLES: Final = 4
 #: Fewest contacts that overlap others for a measured difference of the rule soft, which errs in them alone: the
 #: differences of replicas with one or none of them have no normal distribution.
 FEWEST_OVERLAPPING: Final = 100
+#: Relative standard error of the law with friction before the time of its measurement, in which T_r/T changes.
+EARLIER: Final = 0.2
 #: Number of intervals of √(E(0)/E) over which the predicted error is integrated.
 INTERVALS: Final = 64
 
@@ -57,10 +60,10 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     Besides, there are no contacts at the start, so that Newton's equations lag behind by t_c/2. The standard error
     contains half of this lag.
     """
-    if rubs(f.plan.law):
-        return Prediction(reason="it is not known with friction")
     thermostat = f.start.thermostat
     heated = isinstance(thermostat, RandomKicks)
+    if rubs(f.plan.law) and (heated or f.sheared):
+        return Prediction(reason="with friction it is that of a cooling gas")
     if f.sheared and thermostat is not None:
         return Prediction(reason="it is sheared and has a thermostat")
     still = f.start.replace(boundary="periodic") if f.sheared else f.start
@@ -91,15 +94,25 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
         return Prediction(reason=f"t_c ν = {tc_nu:.2g} is above {MEASURED_TC_NU:g}")
     if not grown > 0.0:
         return Prediction(reason="nothing was dissipated")
-    reference, of_rule = (_law(f, name, gas) for name in ("law", rule))
+    try:
+        reference, of_rule = (_law(f, name, gas) for name in ("law", rule))
+    except ValueError as unknown:  # with friction
+        return Prediction(reason=f"it is not known with this {unknown}")
+    if not _has_own_restitution(f, rule):
+        return Prediction(reason="β0 was given and is not that of the law")
     y = np.linspace(1.0, 1.0 + 2.0 * grown, 2 * INTERVALS + 1)
-    at = [tc_nu / float(middle) ** (2.0 / q) for middle in 0.5 * (y[1:] + y[:-1])]
+    slower = _by_rotation(f, reference)
+    at = [slower * tc_nu / float(middle) ** (2.0 / q) for middle in 0.5 * (y[1:] + y[:-1])]
     newton = np.array([1.0 + reference.error(x) for x in at]) * np.diff(y)
     hard = newton / np.array([1.0 + of_rule.error(x) for x in at])
     time = newton[:INTERVALS].sum()
     reached = float(np.interp(time, np.append(0.0, np.cumsum(hard)), y)) - 1.0
-    lag = tc_nu * (1.0 - epsilon**2) / (4.0 * gas.dimension * grown)
+    lag = tc_nu * _loss(f, gas) / (4.0 * grown)
     uncertain = float(np.mean([of_rule.error_bar(x) for x in at[:INTERVALS]]))
+    if of_rule.friction is not None:  # the coefficient is that of a time after the start
+        uncertain = math.hypot(
+            uncertain, EARLIER * float(np.mean([of_rule.error(x) for x in at[:INTERVALS]]))
+        )
     value = reached / grown - 1.0 + lag
     return Prediction(value, math.hypot(uncertain, 0.5 * lag), extrapolated=of_rule.extrapolated)
 
@@ -134,8 +147,46 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
     return Prediction(value, bar, extrapolated=law.extrapolated)
 
 
+def _spinning(f: Fidelity) -> float:
+    """T_r/T at the start."""
+    return float(f.start.rotational_temperature / f.start.granular_temperature)
+
+
+def _by_rotation(f: Fidelity, law: ErrorLaw) -> float:
+    """√T at a given energy over that at the ratio T_r/T of the start; 1 without friction."""
+    if law.friction is None:
+        return 1.0
+    share = axes_of_rotation(law.dimension) / law.dimension
+    return math.sqrt((1.0 + share * _spinning(f)) / (1.0 + share * law.temperature_ratio))
+
+
+def _loss(f: Fidelity, gas: theory.Gas) -> float:
+    """Relative loss of energy at the start for a collision of each particle, by the theory of hard spheres."""
+    if not rubs(f.plan.law):
+        return (1.0 - f.plan.restitution**2) / gas.dimension
+    theta = _spinning(f)
+    speed = math.sqrt(math.pi * f.start.granular_temperature)
+    loss = -gas.rotating(law=f.plan.law, speed=speed).mean_collision(theta).energy_change
+    return loss / (gas.dimension + axes_of_rotation(gas.dimension) * theta)
+
+
+def _has_own_restitution(f: Fidelity, rule: str) -> bool:
+    """Whether β0 of the rule constant is that which stands for the law."""
+    if not (rubs(f.plan.law) and RULES[rule].has_constant_restitution):
+        return True
+    grain = mean_grain(f.start)
+    own = f.plan.law.between(grain, grain).effective_tangential_restitution(
+        math.sqrt(math.pi * f.start.granular_temperature), f.start.dimension
+    )
+    return math.isclose(f.plan.tangential_restitution or 0.0, own, abs_tol=1e-3)
+
+
 def _law(f: Fidelity, rule: str, gas: theory.Gas) -> ErrorLaw:
+    rotation: dict[str, Any] = {}
+    if rubs(f.plan.law):
+        rotation = {"temperature_ratio": _spinning(f), "inertia_factor": gas.inertia_factor}
     return error_law(
+        **rotation,
         packing_fraction=gas.packing_fraction,
         restitution=f.plan.restitution,
         dimension=gas.dimension,

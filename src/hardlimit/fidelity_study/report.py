@@ -156,8 +156,6 @@ def numbers(f: Fidelity) -> str:
 
 def law_of_error(f: Fidelity) -> str:
     """The predictions of the law of the error as sentences, with a warning where they contradict the measurement."""
-    if rubs(f.plan.law):
-        return " The law of the error is not known with friction."
     measure = "granular_temperature" if f.driven else "cooling"
     predictions = {
         rule: f.predicted(rule) for rule in _defined(f, measure, [m for m in f.models if m != NEWTON])
@@ -174,6 +172,8 @@ def law_of_error(f: Fidelity) -> str:
     text += f", extrapolated: {'; '.join(beyond)}." if text and beyond else "." if text else ""
     if wrong:
         text += f" Warning: this contradicts the measured {NAMES[measure]} of {listed(wrong)}."
+    if not said and rubs(f.plan.law):
+        text += " The law of the error is not known with this friction."
     return text
 
 

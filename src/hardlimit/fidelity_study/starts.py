@@ -96,16 +96,25 @@ def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engin
     return Starts(source, number, engine)
 
 
-def _check_redraw(system: ParticleSystem, replicas: int) -> None:
-    """Refuse a system that is not a gas: there is no equilibrium state from which a replica could start."""
-    reason = None
+def is_redrawn(system: ParticleSystem) -> bool:
+    """Whether a system is a gas, so that replicas can start from other equilibrium states of it."""
+    return not _reason_against_redrawing(system)
+
+
+def _reason_against_redrawing(system: ParticleSystem) -> str:
+    """Why there is no equilibrium state from which a replica could start; empty for a gas."""
     if system.gravity.any():
-        reason = "under gravity"
-    elif system.walls:
-        reason = "with moving walls"
-    elif system.n < 2 or system.granular_temperature == 0.0:
-        reason = "without relative motion of its particles"
-    if reason is not None:
+        return "under gravity"
+    if system.walls:
+        return "with moving walls"
+    if system.n < 2 or system.granular_temperature == 0.0:
+        return "without relative motion of its particles"
+    return ""
+
+
+def _check_redraw(system: ParticleSystem, replicas: int) -> None:
+    reason = _reason_against_redrawing(system)
+    if reason:
         raise ValueError(
             f"system | replicas: got a system {reason} and {replicas} replicas, must be a function of a seed that "
             "returns the start of each replica, or a gas without gravity and moving walls"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from .motion import diffusion, msd, paths
 from .pairs import coordination, rdf
 from .rotation import a02, a11, alignment
+from .stability import largest_stable_time_step
 from .steadiness import Steady, contact_value, steady
 from .stress import antisymmetric_stress, pressure_tensor
 from .velocities import a2, granular_temperature, profiles
@@ -29,6 +30,7 @@ __all__ = [
     "coordination",
     "diffusion",
     "granular_temperature",
+    "largest_stable_time_step",
     "msd",
     "paths",
     "plot",

@@ -23,6 +23,8 @@ const format: Record<string, (x: number) => string> = {
   limit: (x) => digits(x, 2),
   time: milliseconds,
   overlapped: String,
+  collided: String,
+  touched: String,
   contacts: String,
   events: String,
   phi: (x) => digits(x, 2),
@@ -53,6 +55,15 @@ const ruleName = ({ start: { setting } }: Facts): string =>
   ({ constant: "event-driven", tc: "event-driven with the rule TC", soft: "event-driven with the rule soft" })[
     setting.rule
   ];
+const elastic = ({ start: { setting } }: Facts): boolean => setting.restitution === 1;
+const elasticContacts = ({ hard, newton }: Facts): Numbers => ({
+  share: newton.overlapped / newton.ended,
+  collided: hard.contacts,
+  touched: newton.contacts,
+});
+const neitherCools = ({ share, collided, touched }: Record<string, string>): string =>
+  `at ε = 1 neither world cools; ${share} of Newton’s contacts overlapped in time with another one ` +
+  `(${touched} contacts; ${collided} event-driven collisions)`;
 const noForces = ({ start: { setting } }: Facts): boolean => !setting.walls && setting.gravity === 0;
 
 // Error of the cooling by the law, with its error bar.
@@ -87,12 +98,19 @@ const tables: Record<string, Row<Facts>[]> = {
       (f, n) => `No: the event-driven run could not go on. Until then it cools ${byLaw(f, n)} by the law of the error.`,
       law,
     ],
+    ["newton-stopped", (f) => f.newton.outcome !== 0, () => "Cannot be said: Newton’s world could not go on."],
     [
-      "elastic",
-      ({ start }) => start.setting.restitution === 1,
-      () => "Yes: at ε = 1 no collision loses energy, so that neither world cools.",
-      law,
+      "elastic-begins",
+      (f) => elastic(f) && f.newton.ended === 0,
+      () => "Cannot be said yet: at ε = 1 neither world cools, and no contact has ended.",
     ],
+    [
+      "elastic-differs",
+      (f) => elastic(f) && f.newton.overlapped > TOLERANCE * f.newton.ended,
+      (_, n) => `No: ${neitherCools(n)}, and event-driven collisions come one after another.`,
+      elasticContacts,
+    ],
+    ["elastic-agrees", elastic, (_, n) => `Yes, so far: ${neitherCools(n)}.`, elasticContacts],
     [
       "elsewhere",
       (f) => !noForces(f),

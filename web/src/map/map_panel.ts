@@ -8,6 +8,7 @@ import { Agreement } from "./trust";
 import { listen, type Point } from "./map_input";
 import { MapReading } from "./map_reading";
 import type { Pool } from "../core/pool";
+import type { Trusted } from "../report/facts";
 import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
 import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
@@ -87,15 +88,11 @@ export class MapPanel {
     this.refresh();
   }
 
-  // Gap above which both models agree for the present ε; infinite: none in the map, null: no map yet.
-  trusted(): number | null {
-    const { view, scenario } = this.state;
-    if (view.map.show === "count" || view.map.axis !== "gap") return null;
-    const { points } = this.agreement;
-    if (points.length === 0) return null;
-    return points.reduce((a, b) =>
-      Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a,
-    ).gap;
+  // Gap above which both models agree for the present ε; null: not computed.
+  trusted(): Trusted | null {
+    const { view } = this.state;
+    if (view.map.show === "count" || view.map.axis !== "gap" || !this.agreement.present) return null;
+    return { gap: this.agreement.present.gap, widest: this.box().y[1] };
   }
 
   // Restarts if the map does not show this scenario.

@@ -9,7 +9,7 @@ import { grown, setFont, type Frame, type Scale } from "../support/plot";
 
 export interface TrustPoint {
   restitution: number;
-  gap: number; // m; infinity: none in the map
+  gap: number; // as agreement_gaps() of the core has it [m]: only finite positive ones are on the line
 }
 
 const columns = 64;
@@ -17,28 +17,44 @@ const columns = 64;
 // Boundary of the region, by the verdict of the core.
 export class Agreement {
   points: TrustPoint[] = [];
+  present: TrustPoint | null = null; // at the ε of the setting
   tolerance = NaN;
   private key = "";
+  private presentKey = "";
 
   constructor(private readonly pool: Pool) {
-    observed(this, ["points"]);
+    observed(this, ["points", "present"]);
   }
 
   refresh(scenario: Scenario, { x, y }: Box, tolerance: number): void {
     const base = copyOf(scenario);
     base.restitution = base.gaps[0] = 0;
     const key = JSON.stringify([base, x, y, tolerance]);
+    this.refreshPresent(scenario, y, tolerance, key);
     if (key === this.key) return;
     this.key = key;
     this.points = [];
     this.tolerance = tolerance;
     const restitution = Array.from({ length: columns }, (_, i) => x[0] + ((x[1] - x[0]) * i) / (columns - 1));
-    void this.pool
-      .ask("agreement", { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance })
-      .then((gaps) => {
-        if (key !== this.key) return;
-        this.points = restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
-      });
+    void this.ask(scenario, restitution, y, tolerance).then((points) => {
+      if (key === this.key) this.points = points;
+    });
+  }
+
+  private refreshPresent(scenario: Scenario, y: Box["y"], tolerance: number, base: string): void {
+    const key = base + String(scenario.restitution);
+    if (key === this.presentKey) return;
+    this.presentKey = key;
+    this.present = null;
+    void this.ask(scenario, [scenario.restitution], y, tolerance).then(([point]) => {
+      if (key === this.presentKey) this.present = point;
+    });
+  }
+
+  private async ask(scenario: Scenario, restitution: number[], y: Box["y"], tolerance: number): Promise<TrustPoint[]> {
+    const request = { column: columnOf(scenario), restitution, low: y[0], high: y[1], tolerance };
+    const gaps = await this.pool.ask("agreement", request);
+    return restitution.map((e, i) => ({ restitution: e, gap: gaps[i] }));
   }
 }
 
@@ -51,7 +67,8 @@ export function drawTrust(
   theme: Theme,
   size: number,
 ): void {
-  const shown = points.filter((p) => Number.isFinite(p.gap) && p.restitution >= x.low && p.restitution <= x.high);
+  const known = ({ gap }: TrustPoint): boolean => gap > 0 && gap < Infinity;
+  const shown = points.filter((p) => known(p) && p.restitution >= x.low && p.restitution <= x.high);
   if (shown.length < 2) return;
   for (const [color, width] of [
     ["#14161a", 6],
@@ -63,7 +80,7 @@ export function drawTrust(
     g.beginPath();
     let before: TrustPoint | null = null;
     for (const p of points) {
-      if (!Number.isFinite(p.gap)) before = null;
+      if (!known(p)) before = null;
       else {
         if (before) g.lineTo(x.at(p.restitution), y.at(p.gap));
         else g.moveTo(x.at(p.restitution), y.at(p.gap));

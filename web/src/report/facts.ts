@@ -4,9 +4,10 @@ import type { Answered, Drop, Track } from "../core/drop";
 import { aloneRise, nameOfBall } from "../scenario/measured";
 import { releaseHeight } from "../scenario/scenario";
 import { digits, lengths, withUnit } from "../support/format";
-import type { Numbers, Sentence } from "../support/sentence";
+import type { Numbers } from "../support/sentence";
+import type { Report } from "./report";
 
-export const outcomes = { noContact: 1, atRest: 2, collapse: 4, unresolved: 5, tooDeep: 7 };
+export const outcomes = { ok: 0, noContact: 1, atRest: 2, collapse: 4, unresolved: 5, tooDeep: 7 };
 
 export const speed = (v: number): string => (Number.isFinite(v) ? withUnit(v, "m/s", 3, true) : "an unknown velocity");
 
@@ -109,14 +110,20 @@ export function contactFacts(f: RunFacts): ContactFacts {
 
 export type Fall = "before" | "falling" | "over";
 
+// What the map says of the present ε.
+export interface Trusted {
+  gap: number; // as agreement_gaps() of the core has it [m]
+  widest: number; // gap of the map [m]
+}
+
 export interface StoryFacts {
   drop: Drop;
-  report: { numbers: Record<string, number | null>; tolerance: number; why: Sentence[] };
+  report: Pick<Report, "numbers" | "tolerance" | "why" | "newton" | "icm" | "verdict">;
   guess: number | null; // m
   fall: Fall; // of the balls beside the ruler
   // Newton's height at gap 0, the greatest height, and its gap; null: not known.
   gaps: { touching: number; best: number; at: number } | null;
-  trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map; null: not known
+  trusted: Trusted | null; // null: not computed
 }
 
 export const cradle = (t: StoryFacts): boolean => t.drop.scenario.cradle;
@@ -124,6 +131,14 @@ export const count = (t: StoryFacts): number => t.drop.scenario.balls.length;
 export const topName = (t: StoryFacts): string => nameOfBall(t.drop.scenario.balls[count(t) - 1], "top ball");
 export const lowName = (t: StoryFacts): string => nameOfBall(t.drop.scenario.balls[0], "lowest ball");
 export const release = (t: StoryFacts): number => releaseHeight(t.drop.scenario);
+
+// Number of contacts of balls in Newton's sequence that overlap another contact in time.
+export function overlapping({ drop: { newton } }: StoryFacts): number {
+  const list = spans(newton.run.contacts, Infinity);
+  const overlap = (a: Span): boolean => list.some((b) => a !== b && a.begin < b.end && b.begin < a.end);
+  const sequence = list.filter((c) => c.pair > 0).slice(0, newton.run.nContacts);
+  return sequence.filter(overlap).length;
+}
 
 // The rebound height of the top ball, on a cradle the velocity of the last one; NaN: there is none.
 const value = (t: StoryFacts, model: "newton" | "icm"): number =>
@@ -136,6 +151,13 @@ export const bothValues = (t: StoryFacts): Numbers => ({
   tolerance: t.report.tolerance,
 });
 export const agree = (t: StoryFacts): boolean => Math.abs(icm(t) / newton(t) - 1) <= t.report.tolerance;
+
+// Whether a sequence has ended with balls that met; on a floor the top ball then rises.
+const plain = ({ run }: Track, height: number): boolean =>
+  run.outcome === outcomes.ok && run.nContacts > 0 && Number.isFinite(height);
+export const bothPlain = (t: StoryFacts): boolean => plain(t.drop.newton, newton(t)) && plain(t.drop.icm, icm(t));
+export const answered = (t: StoryFacts): boolean =>
+  ![outcomes.tooDeep, outcomes.unresolved].includes(t.drop.newton.run.outcome);
 
 export const alone = (t: StoryFacts): ReturnType<typeof aloneRise> =>
   aloneRise(t.drop.scenario.balls[count(t) - 1], release(t));

@@ -4,11 +4,13 @@ import type { Track } from "../core/drop";
 import type { Step } from "../scenario/story_view";
 import { capital, independent } from "../scenario/tables";
 import { inPercent } from "../scenario/tolerance";
-import { digits, metres, withUnit } from "../support/format";
+import { digits, lengths, metres, withUnit } from "../support/format";
 import { allOf, always, chosen, type Numbers, type Row, type Sentence } from "../support/sentence";
 import {
   agree,
   alone,
+  answered,
+  bothPlain,
   bothValues,
   comparedWithRelease,
   contactFacts,
@@ -20,6 +22,7 @@ import {
   lowName,
   newton,
   outcomes,
+  overlapping,
   ratioOf,
   release,
   rises,
@@ -312,7 +315,11 @@ export const verdictRows: Row<VerdictFacts>[] = [
 const pushes = (f: ContactFacts): string => `The floor pushes for ${duration(f.floor!.end)}`;
 const letsGo = (f: ContactFacts, balls: string): string =>
   `${pushes(f)} and has let go when ${balls} meet after ${duration(f.first)}`;
-const inTurn = "one collision after the other, as the collision model has it";
+// For contacts that do not overlap. The collision model may still have other collisions.
+const inTurn = ({ icm, between }: ContactFacts, what = "one collision after the other"): string => {
+  const pairs = icm?.contacts.filter((c) => c.pair > 0 && c.begin <= icm.last).map((c) => c.pair);
+  return what + (pairs?.join() === between.map((c) => c.pair).join() ? ", as the collision model has it" : "");
+};
 const together = ({ most }: ContactFacts): string =>
   `Up to ${spell(most)} contacts press at the same time; the collision model takes them one after another.`;
 const touchOften = ({ list, longest }: ContactFacts): string => {
@@ -329,13 +336,13 @@ const cradleRows: Row<ContactFacts>[] = [
   [
     "cradle-once",
     (f) => f.list.length === 1,
-    (f) => `Two balls ${touchOften(f)}, and no other pair does: a single collision, as the collision model has it.`,
+    (f) => `Two balls ${touchOften(f)}, and no other pair does: ${inTurn(f, "a single collision")}.`,
     (f) => ({ longest: f.longest }),
   ],
   [
     "cradle-in-turn",
     (f) => f.most < 2,
-    (f) => `The balls ${touchOften(f)}, never two pairs at a time: ${inTurn}.`,
+    (f) => `The balls ${touchOften(f)}, never two pairs at a time: ${inTurn(f)}.`,
     listNumbers,
   ],
   [
@@ -370,15 +377,11 @@ const floorRows: Row<ContactFacts>[] = [
     },
     ({ newton: { tFloorEnd } }): Numbers => (Number.isFinite(tFloorEnd) ? { floorEnd: tFloorEnd } : {}),
   ],
-  [
-    "floor-stays",
-    (f) => !f.floor || f.floor.end === Infinity,
-    () => "The floor never lets go: the lowest ball comes to rest on it, and the others land on a ball at rest.",
-  ],
+  ["floor-stays", (f) => !f.floor || f.floor.end === Infinity, () => "The floor never lets go of the lowest ball."],
   [
     "two-after-once",
     (f) => afterFloor(f) && f.between.length === 1,
-    (f) => `${letsGo(f, "the balls")}: ${inTurn}.`,
+    (f) => `${letsGo(f, "the balls")}: ${inTurn(f)}.`,
     firstAndFloor,
   ],
   [
@@ -426,7 +429,7 @@ const floorRows: Row<ContactFacts>[] = [
   [
     "many-in-turn",
     always,
-    (f) => `${letsGo(f, "the first two balls")}; no two contacts overlap, as the collision model has it.`,
+    (f) => `${letsGo(f, "the first two balls")}; ${inTurn(f, "no two contacts overlap")}.`,
     firstAndFloor,
   ],
 ];
@@ -488,54 +491,38 @@ export function why(facts: RunFacts): Sentence[] {
 const newtonRises = (t: StoryFacts): string => `By Newton’s equations the ${topName(t)} rises to ${metres(newton(t))}`;
 const newtonLeaves = (t: StoryFacts): string => `By Newton’s equations the last ball leaves with ${speed(newton(t))}`;
 const agreement = (t: StoryFacts): string => inPercent(t.report.tolerance);
-const newtonOnly = (t: StoryFacts): Numbers => ({ newton: newton(t) });
 const has = (x: number): boolean => Number.isFinite(x);
+
+// Heights that agree are followed by the verdict, unless it goes without saying.
+const doubted = ({ report: { verdict } }: StoryFacts): boolean => verdict !== null && verdict.answer !== "yes";
+const apart = (t: StoryFacts): string => (doubted(t) ? " The velocities are judged apart." : "");
 
 const watch: Row<StoryFacts>[] = [
   [
     "watch-cradle",
-    (t) => cradle(t) && has(newton(t)) && has(icm(t)),
+    cradle,
     (t) => `${newtonLeaves(t)}, by one collision after the other with ${speed(icm(t))}.`,
     bothValues,
   ],
   [
-    "watch-newton-only",
-    (t) => has(newton(t)) && !has(icm(t)),
-    (t) =>
-      cradle(t)
-        ? `${newtonLeaves(t)}; one collision after the other gives no answer.`
-        : `${newtonRises(t)}; one collision after the other gives no height.`,
-    newtonOnly,
-  ],
-  [
     "watch-agree",
-    (t) => has(newton(t)) && agree(t),
+    agree,
     (t) =>
       `The ${topName(t)} rises to ${metres(newton(t))}, and one collision after the other says the same to ` +
-      `${agreement(t)}.`,
+      `${agreement(t)}.${apart(t)}`,
     bothValues,
   ],
   [
     "watch-differ",
-    (t) => has(newton(t)),
+    always,
     (t) => `${newtonRises(t)}; the textbook, one collision after the other, promises ${metres(icm(t))}.`,
     bothValues,
   ],
-  [
-    "watch-textbook-only",
-    (t) => has(icm(t)),
-    (t) =>
-      cradle(t)
-        ? `One collision after the other says ${speed(icm(t))} for the last ball; Newton’s equations give no velocity.`
-        : `The textbook, one collision after the other, promises ${metres(icm(t))} for the ${topName(t)}; ` +
-          "Newton’s equations give no height.",
-    (t) => ({ icm: icm(t) }),
-  ],
-  ["watch-none", always, (t) => `The ${cradle(t) ? "last ball" : topName(t)} does not bounce.`],
 ];
 
 const before = (t: StoryFacts): boolean => t.fall === "before";
 const falling = (t: StoryFacts): boolean => t.fall === "falling";
+const over = (t: StoryFacts): boolean => t.fall === "over";
 const textbook = "The textbook, one collision after the other, ";
 const predicted = (t: StoryFacts): string => {
   if (t.guess === null) return "";
@@ -574,15 +561,19 @@ const predict: Row<StoryFacts>[] = [
     bothValues,
   ],
   ["drop-wait", falling, () => "Watch the ruler …"],
-  ["drop-none", (t) => !has(newton(t)), (t) => `The ${topName(t)} does not bounce.`],
-  ["drop-newton-only", (t) => !has(icm(t)), rose, newtonOnly],
-  ["drop-agree", agree, (t) => `${rose(t)} ${textbook}agrees to ${agreement(t)}: ${metres(icm(t))}.`, bothValues],
+  [
+    "drop-agree",
+    agree,
+    (t) => `${rose(t)} ${textbook}agrees to ${agreement(t)}: ${metres(icm(t))}.${apart(t)}`,
+    bothValues,
+  ],
   ["drop-differ", always, (t) => `${rose(t)} ${textbook}promises ${metres(icm(t))}.`, bothValues],
 ];
 
 const touch = ({ drop: { scenario, newton } }: StoryFacts): string =>
   `At ε = ${Number(scenario.restitution.toPrecision(3))} ` +
-  `${scenario.balls.length === 2 ? "the balls" : "neighbouring balls"} touch ${times(newton.run.nContacts)}`;
+  `${scenario.balls.length === 2 ? "the balls" : "neighbouring balls"} touch ${times(newton.run.nContacts)}` +
+  (newton.run.meetsAgain ? " before the lowest ball is back on the floor" : "");
 const counts = ({ drop: { newton, icm } }: StoryFacts): Numbers => ({
   newton: newton.run.nContacts,
   icm: icm.run.nContacts,
@@ -592,8 +583,14 @@ const asOften = "as often as in the collision model";
 const countRows: Row<StoryFacts>[] = [
   [
     "count-without-end",
-    ({ drop: { icm } }) => [outcomes.collapse, outcomes.unresolved].includes(icm.run.outcome),
+    ({ drop: { icm } }) => [outcomes.collapse, outcomes.atRest].includes(icm.run.outcome),
     (t) => `${touch(t)}; the collision model counts without end. ${countAgain}`,
+    counts,
+  ],
+  [
+    "count-too-many",
+    ({ drop: { icm } }) => icm.run.outcome === outcomes.unresolved,
+    (t) => `${touch(t)}; the collisions of the collision model become too many to count. ${countAgain}`,
     counts,
   ],
   [
@@ -604,22 +601,20 @@ const countRows: Row<StoryFacts>[] = [
   ],
   [
     "count-overlaps",
-    (t) => t.drop.comparison.overlapping > 0,
+    (t) => overlapping(t) > 0,
     (t) => {
-      const { overlapping } = t.drop.comparison;
       const single = t.drop.newton.run.nContacts === 1;
-      const verb = overlapping === 1 ? "overlaps" : "overlap";
-      const which = single ? "the contact overlaps" : `${spell(overlapping)} of the contacts ${verb}`;
+      const verb = overlapping(t) === 1 ? "overlaps" : "overlap";
+      const which = single ? "the contact overlaps" : `${spell(overlapping(t))} of the contacts ${verb}`;
       return `${touch(t)}, ${asOften}; but here ${which} another one in time. ${countAgain}`;
     },
-    (t) => ({ ...counts(t), overlapping: t.drop.comparison.overlapping }),
+    (t) => ({ ...counts(t), overlapping: overlapping(t) }),
   ],
   ["count-same", always, (t) => `${touch(t)}, ${asOften}. ${countAgain}`, counts],
 ];
 
-const measured =
-  "Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol " +
-  "in 2015.";
+const changeGap = "Drag in the plot to change the gap.";
+const measured = `${changeGap} That balls dropped closer together rebound lower was measured with other balls in Bristol in 2015.`;
 const touching = (t: StoryFacts): string => `Let go touching, the ${topName(t)} reaches ${metres(t.gaps!.touching)}`;
 const gap: Row<StoryFacts>[] = [
   [
@@ -629,17 +624,20 @@ const gap: Row<StoryFacts>[] = [
       "Drag in the plot to change the gaps between the balls: the wider they are, " +
       "the more they collide one after the other.",
   ],
-  ["gap-unknown", (t) => !t.gaps || !has(t.gaps.touching) || !has(t.gaps.best), () => measured],
+  ["gap-unknown", (t) => !t.gaps || !has(t.gaps.touching) || !has(t.gaps.best), () => changeGap],
   [
     "gap-none-better",
-    (t) => !(t.gaps!.at > 0),
-    (t) => `${touching(t)}; no gap brings it higher. ${measured}`,
-    (t) => ({ touching: t.gaps!.touching }),
+    (t) => t.gaps!.best <= t.gaps!.touching * (1 + t.report.tolerance),
+    (t) => `${touching(t)}; no gap of this curve brings it more than ${agreement(t)} higher. ${changeGap}`,
+    (t) => ({ touching: t.gaps!.touching, tolerance: t.report.tolerance }),
   ],
   [
     "gap-better",
     always,
-    (t) => `${touching(t)}; ${withUnit(t.gaps!.at, "m", 2)} apart, ${metres(t.gaps!.best)}. ${measured}`,
+    (t) => {
+      const [low, high] = lengths(t.gaps!.touching, t.gaps!.best);
+      return `Let go touching, the ${topName(t)} reaches ${low}; ${withUnit(t.gaps!.at, "m", 2)} apart, ${high}. ${measured}`;
+    },
     (t) => ({ ...t.gaps! }),
   ],
 ];
@@ -662,19 +660,33 @@ const experiment: Row<StoryFacts>[] = [
 ];
 
 const tolerance = (t: StoryFacts): Numbers => ({ tolerance: t.report.tolerance });
+const widest = (t: StoryFacts): Numbers => ({ ...tolerance(t), widest: t.trusted!.widest });
+const overlapsHere = (t: StoryFacts): string => {
+  const [n, k] = [t.drop.newton.run.nContacts, overlapping(t)];
+  return `Of the ${counted(n, "contact")} of these balls ${k === 1 ? "one overlaps" : `${spell(k)} overlap`} another one.`;
+};
 const map: Row<StoryFacts>[] = [
   [
     "map-cradle",
     cradle,
-    () => "The map counts contacts. Event-driven simulation is right where no two of them overlap.",
+    () =>
+      "The map counts contacts. Event-driven simulation takes them one after another, as if no two of them " +
+      "overlapped in time.",
+  ],
+  [
+    "map-many-unanswered",
+    (t) => count(t) > 2 && !(answered(t) && t.drop.newton.run.nContacts > 0),
+    () =>
+      "The map counts contacts, of which any two may overlap in time. Event-driven simulation takes them one after " +
+      "another.",
   ],
   [
     "map-many",
     (t) => count(t) > 2,
     (t) =>
-      "Event-driven simulation takes contacts one after another. " +
-      `Where the map counts more than ${spell(count(t) - 1)}, one for each pair of neighbours, it leaves some out; ` +
-      "where it counts as many, they may still overlap.",
+      "The map counts contacts, of which any two may overlap in time. Event-driven simulation takes them one after " +
+      `another. ${overlapsHere(t)}`,
+    (t) => ({ contacts: t.drop.newton.run.nContacts, overlapping: overlapping(t) }),
   ],
   [
     "map-pending",
@@ -683,30 +695,64 @@ const map: Row<StoryFacts>[] = [
     tolerance,
   ],
   [
-    "map-nowhere",
-    (t) => t.trusted === Infinity,
+    "map-unknown",
+    (t) => Number.isNaN(t.trusted!.gap),
     (t) =>
-      `At the present ε the models agree to ${agreement(t)} at no gap of this map: even where no contacts overlap, ` +
-      "gravity acts while they last. Choose another tolerance, or stiffer balls.",
-    tolerance,
+      `The line shows from which gap on both models agree to ${agreement(t)}. At the present ε there is none: at the ` +
+      `widest gap, ${withUnit(t.trusted!.widest, "m", 2)}, there is nothing to compare.`,
+    widest,
+  ],
+  [
+    "map-nowhere",
+    (t) => t.trusted!.gap === Infinity,
+    (t) =>
+      `At the present ε the models agree to ${agreement(t)} at none of the gaps tried, ` +
+      `the widest being ${withUnit(t.trusted!.widest, "m", 2)}. Choose another tolerance, or stiffer balls.`,
+    widest,
+  ],
+  [
+    "map-not-at-the-top",
+    (t) => t.trusted!.gap < 0,
+    (t) =>
+      `At the present ε the models agree to ${agreement(t)} at a gap of ${withUnit(-t.trusted!.gap, "m", 2)}, but not ` +
+      `at the widest one, ${withUnit(t.trusted!.widest, "m", 2)}. So the map has no line above which they agree.`,
+    (t) => ({ ...widest(t), gap: -t.trusted!.gap }),
   ],
   [
     "map",
     always,
     (t) =>
       `Above the line both models agree to ${agreement(t)}; at the present ε that takes a gap above ` +
-      `${withUnit(t.trusted!, "m", 2)}. Just below the line they differ by more.`,
-    (t) => ({ ...tolerance(t), gap: t.trusted! }),
+      `${withUnit(t.trusted!.gap, "m", 2)}. Just below the line they differ by more.`,
+    (t) => ({ ...tolerance(t), gap: t.trusted!.gap }),
   ],
 ];
+
+// A chapter on an outcome for which it has no words of its own says what the laboratory says.
+function headline(t: StoryFacts, step: Step): Sentence[] {
+  const said = step === "predict" && has(newton(t)) ? predicted(t).trim() : "";
+  const guess = said ? [{ id: "guess", text: said, numbers: { guess: t.guess! } }] : [];
+  return [t.report.newton[0], ...t.report.icm, ...guess];
+}
+const inWords: Record<Step, (t: StoryFacts) => boolean> = {
+  watch: bothPlain,
+  predict: (t) => !over(t) || bothPlain(t),
+  slow: () => true,
+  count: (t) => answered(t) && t.drop.newton.run.nContacts > 0,
+  gap: () => true,
+  map: () => true,
+};
 
 const chapters: Record<Exclude<Step, "slow">, Row<StoryFacts>[]> = { watch, predict, count: countRows, gap, map };
 
 // The chapter on the contact has the report's reasons.
 export function story(step: Step, t: StoryFacts): Sentence[] {
   if (step === "slow") return t.report.why;
-  const measurements = step === "gap" ? chosen(experiment, t) : null;
-  return [chosen(chapters[step], t)!, ...(measurements ? [measurements] : [])];
+  if (!inWords[step](t)) return headline(t, step);
+  const first = chosen(chapters[step], t)!;
+  const second =
+    step === "gap" ? chosen(experiment, t) : first.id.endsWith("-agree") && doubted(t) ? t.report.verdict : null;
+  return [first, ...(second ? [second] : [])];
 }
 
 const titles: Record<Step, string> = {

@@ -1,7 +1,7 @@
 // View settings: map, zoom, film. Stored in the link with the scenario.
 import { inPercent, usualTolerance } from "./tolerance";
 import { choiceOf } from "../support/choice";
-import { ranges, type Scenario } from "./scenario";
+import { firstGap, ranges, type Scenario } from "./scenario";
 
 export type MapAxis = "gap" | "ratio";
 export type MapShow = "count" | "effective" | "separation";
@@ -31,7 +31,8 @@ export const firstView = (): View => ({
   time: null,
 });
 
-// Range of the whole map: ε, and the decades around the gap above which collisions are independent.
+// Range of the whole map: ε, and the decades around the gap above which collisions are independent and around the
+// present gap.
 export function wholeMap(s: Scenario, axis: MapAxis, floorContact: number, speed: number): Box {
   const x: [number, number] = [0.05, 1];
   if (axis === "ratio") {
@@ -40,7 +41,9 @@ export function wholeMap(s: Scenario, axis: MapAxis, floorContact: number, speed
   }
   const independent = Math.min(Math.max(floorContact * speed, 1e-7), 1);
   const top = Math.ceil(Math.log10(independent) - 0.15);
-  return { x, y: [10 ** (top - 4), 10 ** top] };
+  const gap = Math.log10(Math.max(s.gaps[firstGap(s)], 1e-9));
+  const present = gap > -9 ? [Math.floor(gap), Math.ceil(gap)] : [top, top];
+  return { x, y: [10 ** Math.min(top - 4, present[0]), 10 ** Math.max(top, present[1])] };
 }
 
 export const mapLimits = (axis: MapAxis): Box => ({

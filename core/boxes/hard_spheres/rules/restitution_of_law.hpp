@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "../../binary_contact/restitution_table.hpp"
-#include "../../binary_contact/tangential_table.hpp"
+#include "../../binary_contact/tangential_surface.hpp"
 #include "rule.hpp"
 
 namespace hardlimit::boxes::rules {
@@ -59,19 +59,17 @@ private:
         std::vector<Known> known_;
     };
 
-    // Tables of β for each pair of kinds, unless there are too many kinds.
+    // Tables of β, of each pair of kinds if they are few.
     template <FrictionalLaw Law>
     class Of<Law> final : public Rule {
     public:
         using Normal = typename Law::Frictionless;
         Of(const LawChoice& choice, const TypicalParticle& typical)
-            : choice_(choice), few_kinds_(typical.few_kinds), normal_(choice, typical) {}
+            : choice_(choice), kinds_(typical.kinds), normal_(choice, typical) {}
 
         Rebound rebound(const Impact& impact, DeepestImpact& deepest) override {
             Rebound r = normal_.rebound(impact, deepest);
-            const double speed = impact.approach.normal_speed;
-            const TangentialResult t = few_kinds_ ? table(impact)(speed, impact.slip_speed)
-                                                  : new_table(impact).solve(speed, impact.slip_speed);
+            const TangentialResult t = tangential(impact);
             r.tangential_gain = t.gain, r.slid = t.slid;
             return r;
         }
@@ -79,24 +77,37 @@ private:
     private:
         using Key = std::array<double, 3>;
         LawChoice choice_;
-        bool few_kinds_;
+        Kinds kinds_;
         Of<Normal> normal_;
         std::map<Key, TangentialTable> tables_;
         Key last_{};
         TangentialTable* table_ = nullptr;  // of last_
+        TangentialSurfaces surfaces_;
 
+        TangentialResult tangential(const Impact& c) {
+            const double speed = c.approach.normal_speed;
+            if (kinds_ != Kinds::few) {
+                const contact::FrictionalContact contact = contact_of(c);
+                if (kinds_ == Kinds::many || !ContactFamily::is_proportional(contact))
+                    return solve_tangential(contact, speed, c.slip_speed);
+                return surfaces_(contact, c.pair, c.rotational_ratio, speed, c.slip_speed, c.collisions);
+            }
+            TangentialTable& known = table(c);
+            if (known.is_tabulated()) return known(speed, c.slip_speed);
+            return surfaces_(known.contact(), c.pair, c.rotational_ratio, speed, c.slip_speed, c.collisions);
+        }
         TangentialTable& table(const Impact& c) {
             const Key key{c.pair.effective_mass, c.pair.effective_radius, c.rotational_ratio};
             if (table_ && key == last_) return *table_;
             auto place = tables_.find(key);
-            if (place == tables_.end()) place = tables_.emplace(key, new_table(c)).first;
+            if (place == tables_.end()) place = tables_.emplace(key, TangentialTable(contact_of(c))).first;
             last_ = key, table_ = &place->second;
             return *table_;
         }
-        TangentialTable new_table(const Impact& c) const {
+        contact::FrictionalContact contact_of(const Impact& c) const {
             const Law law = make_law<Law>(choice_, c.pair);
             const double mass = c.pair.effective_mass, tangential = mass / (1.0 + c.rotational_ratio);
-            return TangentialTable({Law::record.powers, law.coefficients(), mass, tangential, law.friction});
+            return {Law::record.powers, law.coefficients(), mass, tangential, law.friction};
         }
     };
 };

@@ -51,11 +51,15 @@ struct RuleChoice {
     bool has_friction() const { return particles_rub && (friction > 0.0 || law.has_friction()); }
 };
 
+// Kinds of particles with friction, which differ in mass, radius or inertia factor: so few that each pair of kinds may
+// have tables; many with the same inertia factor; many.
+enum class Kinds : unsigned char { few, many_of_one_shape, many };
+
 // The largest particle, for which rules make tables. `alike`: all particles are of this kind.
 struct TypicalParticle {
     double mass, radius;  // [kg], [m]
     bool alike;
-    bool few_kinds = true;  // so few kinds of particles that each pair of kinds has a table
+    Kinds kinds = Kinds::few;
 
     PairGeometry pair() const { return {0.5 * mass, 0.5 * radius}; }
     PairGeometry at_wall() const { return {mass, radius}; }
@@ -70,6 +74,7 @@ struct Impact {
     // With friction.
     double slip_speed = 0.0;        // tangential speed of the surfaces [m/s]
     double rotational_ratio = 0.0;  // m (R_i²/I_i + R_j²/I_j) with the effective mass m; m/m_t − 1
+    u64 collisions = 0;             // of the run, before this one
 };
 
 // Result of an instantaneous collision.

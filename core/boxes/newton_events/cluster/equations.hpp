@@ -1,11 +1,25 @@
 // Newton's equations for the state vector of a cluster, in the scaled time (contact/smooth_time.hpp).
 #pragma once
 #include <algorithm>
+#include <vector>
 
 #include "../../../contact/smooth_time.hpp"
 #include "surfaces.hpp"
 
 namespace hardlimit::boxes {
+
+// The closed pairs at the state of the last evaluation, and what turns the directions of slip.
+template <class Law>
+struct SurfacesNow {};
+template <FrictionalLaw Law>
+struct SurfacesNow<Law> {
+    struct Turning {
+        double limit;  // μ F_n
+        typename SurfacePair<Law>::Drive drive;
+    };
+    std::vector<SurfacePair<Law>> pairs;
+    std::vector<Turning> turning;  // of the pairs that turn, in their order
+};
 
 template <class AnyLaw>
 struct Equations {
@@ -15,6 +29,7 @@ struct Equations {
     const ContactNetwork<Law>& network;
     const StateLayout& layout;
     bool in_time = false;  // whether τ is the time
+    mutable SurfacesNow<Law> surfaces{};
 
     // dy = dy/dτ
     void operator()(const double* y, double* dy) const {
@@ -23,7 +38,10 @@ struct Equations {
         for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
         for (int i = 3 * n; i < 6 * n; i += 3)
             for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = network.gravity[a];
-        if constexpr (FrictionalLaw<Law>) std::fill(dy + layout.rubbed(), dy + layout.first_root(), 0.0);
+        if constexpr (FrictionalLaw<Law>) {
+            std::fill(dy + layout.rubbed(), dy + layout.first_root(), 0.0);
+            surfaces.pairs.clear(), surfaces.turning.clear();
+        }
         Sums sums;
         int index = 0;
         for (const ContactPair<Law>& q : network.pairs) {
@@ -103,18 +121,18 @@ private:
             a[k] -= along / network.members[q.first].mass;
             if (q.second >= 0) b[k] += along / network.members[q.second].mass;
         }
-        if constexpr (FrictionalLaw<Law>) add_friction(q, index, now, dy, sums, gamma);
+        if constexpr (FrictionalLaw<Law>)
+            add_friction(q, surfaces.pairs.emplace_back(now, index, g), dy, sums, gamma);
         if (q.rooted) {
             double& slope = dy[layout.root(index)];
             slope = g.rate / p * slope / math::power<p - 1>(q.s_unit);
         }
     }
     // Adds the tangential force of a closed contact, and the rate of T if the surfaces stick.
-    void add_friction(const ContactPair<Law>& q, int index, const Snapshot<Law>& now, double* dy, Sums& sums,
-                      double gamma) const
+    void add_friction(const ContactPair<Law>& q, const auto& at, double* dy, Sums& sums, double gamma) const
         requires FrictionalLaw<Law>
     {
-        const SurfacePair<Law> at(now, index);
+        const int index = at.pair();
         const Vector3 push = at.push(), torque = cross(at.g.normal, push);
         const double power = dot(push, at.slip);
         sums.loss += power;
@@ -151,17 +169,15 @@ private:
     void turn_directions(const double* y, double* dy) const
         requires FrictionalLaw<Law>
     {
-        const Snapshot<Law> now{network, layout, y};
-        for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q) {
-            const ContactPair<Law>& pair = network.pairs[q];
-            if (pair.state != ContactState::closed || !pair.surfaces.slips) continue;
-            const SurfacePair<Law> at(now, q);
-            if (!at.has_spring()) continue;
+        for (const SurfacePair<Law>& at : surfaces.pairs) {
+            const int q = at.pair();
+            if (!network.pairs[q].surfaces.slips || !at.has_spring()) continue;
             double* slope = dy + layout.surface(q);
             const Vector3 still = at.transport(at.memory());
             for (std::size_t k = 0; k < 3; ++k) slope[k] = dy[layout.time()] * still[k];
             if (!turns(q)) continue;
-            const double across = at.drive(dy).across, z = y[layout.surface(q) + 3];
+            const auto& drive = surfaces.turning.emplace_back(at.limit(), at.drive(dy)).drive;
+            const double across = drive.across, z = y[layout.surface(q) + 3];
             if (across != 0.0 && at.limit() != 0.0) slope[3] = 0.5 * (1.0 + z * z) * across / at.limit();
         }
     }

@@ -13,6 +13,7 @@ struct EventSearch {
     const ContactNetwork<Law>& network;
     const StateVector& state;
     Integrator& integrator;
+    const double speed;  // of the cluster [m/s]
     const Equations<Law> f{network, state.layout};
 
     // Whether an event of the pair occurs in (0, length]; if so, moves `length` and the end of the step to the first.
@@ -65,10 +66,19 @@ struct EventSearch {
         if (!falls_to_zero(a, b, fresh, high, at)) return false;
         const double whole = length, guess = fresh ? 0.5 * high : first_guess(a, b, whole, high);
         in.probe(f, state, guess);
+        // Within the rounding error of the positions the forces are not resolved.
+        const auto time = static_cast<std::size_t>(state.layout.time());
+        const double clock = math::max(in.slope[time], in.end_slope[time]),
+                     noise = rounding(network.pairs[pair]) / (speed * clock);
         const auto close = [=](const EventFunction&, double x, double next) {
-            return math::abs(next - x) <= 4.0 * math::epsilon * whole;
+            return math::abs(next - x) <= math::max(noise, 4.0 * math::epsilon * whole);
         };
-        const auto move = [&](double, double next) { in.probe(f, state, next); };
+        const auto move = [&](double x, double next) {
+            if (math::abs(next - x) <= 1e-5 * whole && !in.implicit)
+                in.nudge(f, next - x);
+            else
+                in.probe(f, state, next);
+        };
         length = locate_zero(guess, high, at_trial, close, move);
         in.end_at_trial();
         return true;

@@ -1,7 +1,9 @@
 // A step of a cluster that is integrated at order 8, up to the first event of a pair.
 #pragma once
+#include <utility>
 #include <vector>
 
+#include "../../binary_contact/slip_closing.hpp"
 #include "event_search.hpp"
 
 namespace hardlimit::boxes {
@@ -109,6 +111,7 @@ struct IntegratedStep {
     Integrator& integrator;
     const double tolerance;  // of a step, relative to the units of length, speed and time
     const Equations<Law> f{network, state.layout};
+    int closes = -1;  // the pair that the step is to end, or −1
 
     Progress take(double until) {
         scales.set_active(network, ledger.largest_compression);
@@ -132,6 +135,9 @@ struct IntegratedStep {
         if constexpr (FrictionalLaw<Law>)
             if (const PairEvent now = surface_event_at_start(network, state, in.slope.data()))
                 return {.event = now};
+        if constexpr (FrictionalLaw<Law> && p == 1)
+            if (in.implicit || bound < math::infinity)
+                if (const Progress closed = close(until); closed.moved) return closed;
         double& next = in.implicit ? in.implicit_length : in.length;
         if (!(next > 0.0)) next = longest;
         double length = math::min(next, bound);
@@ -181,7 +187,7 @@ private:
                 freezes = freezes || !surfaces.frozen;
                 surfaces.frozen = true;
             } else if (pull * left < mild * limit) {
-                bound = math::min(bound, 0.7 * left);
+                bound = math::min(bound, 0.45 * left);
             } else {
                 integrator.implicit = integrator.implicit || stiff;
             }
@@ -191,6 +197,78 @@ private:
             integrator.begin(f, state);
         }
         return bound;
+    }
+    // A step to the end of a contact whose surfaces slip, in which the mean of the direction replaces it
+    // (binary_contact/slip_closing.hpp). Does nothing if no contact ends so soon, or another event comes before.
+    Progress close(double until)
+        requires FrictionalLaw<Law>
+    {
+        Integrator& in = integrator;
+        const double longest = math::min(in.length, until - state.time()) / 1.3;
+        for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
+            const ContactPair<Law>& q = network.pairs[i];
+            if (!f.turns(i) || q.law.friction.damping.power != 0 || q.law.friction.stiffness.power != 0)
+                continue;
+            const SurfacePair<Law> at(state.at(network), i);
+            const FallingForce force = falling(at, i);
+            if (!(force.fall > 0.0 && force.limit > 0.0 && force.left() < longest)) continue;
+            const Vector3 &along = at.direction(), across = cross(at.g.normal, along);
+            const auto seen = [&](const Vector3& x) { return SlipVector{dot(x, along), dot(x, across)}; };
+            const SlipVector slowed{force.mobility * force.limit, 0.0};
+            const SlipClosing closing(force, seen(at.slip), seen(at.slip_change(in.slope.data())) + slowed);
+            if (!closing.is_within(tolerance * q.mass * scales.speed, force)) continue;
+            const SlipVector mean = closing.mean();
+            return close(i, mean.along * along + mean.across * across, 1.2 * force.left());
+        }
+        return {};
+    }
+    FallingForce falling(const auto& at, int pair) const
+        requires FrictionalLaw<Law>
+    {
+        const ContactPair<Law>& q = network.pairs[pair];
+        const double* slope = integrator.slope.data();
+        const auto mobility = [&](int member, double arm) {
+            return 1.0 / network.members[member].mass + arm * arm / network.rotations[member].inertia;
+        };
+        const double mu = q.law.friction.coefficient, fall = -at.drive(slope).growth;
+        const double bend =
+            mu * q.law.coefficients().elastic * acceleration(state.at(network), slope, q, at.g) +
+            q.law.coefficients().damping * fall / q.mass;
+        return {.stiffness = q.law.friction.stiffness.factor,
+                .dashpot = at.limits_spring() ? 0.0 : at.damping(),
+                .mobility = mobility(q.first, at.first_arm) +
+                            (q.second < 0 ? 0.0 : mobility(q.second, at.second_arm)),
+                .limit = at.limit(),
+                .fall = fall,
+                .bend = bend,
+                .turning = length(at.turn) + length(at.spin) / (at.first_arm + at.second_arm),
+                .others = 1.0 / scales.time(network)};
+    }
+    Progress close(int pair, const Vector3& mean, double length)
+        requires FrictionalLaw<Law>
+    {
+        Integrator& in = integrator;
+        PairSurfaces<Law>& surfaces = network.pairs[pair].surfaces;
+        double* const memory = &state.y[state.layout.surface(pair)];
+        const Vector3 direction = vector_at(memory);
+        const bool implicit = std::exchange(in.implicit, false);
+        const auto replace = [&](const Vector3& x, bool frozen) {
+            std::ranges::copy(x, memory);
+            surfaces.frozen = frozen;
+            in.forget();
+            in.begin(f, state);
+        };
+        replace(mean, true);
+        closes = pair;
+        in.advance(f, state, length);
+        set_tolerances(state.at(network), scales, length, tolerance, 0.0, in.tolerance);
+        Progress done{};
+        if (in.error(state, length) <= 1.0) done = end_step(math::infinity, length, false);
+        closes = -1;
+        if (done.moved) return done;
+        replace(direction, false);
+        in.implicit = implicit;
+        return done;
     }
     // Takes the step up to the first event or to `until`.
     Progress end_step(double until, double length, bool last) {
@@ -203,7 +281,7 @@ private:
         };
         if (end() > until) end_at_time();
         PairEvent event{};
-        EventSearch<Law> search{network, state, in};
+        EventSearch<Law> search{network, state, in, scales.speed};
         for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
             for (const ContactEvent kind : next_events(network.pairs[q]))
                 if (kind != ContactEvent::none && search.locate(q, kind, length))
@@ -213,6 +291,7 @@ private:
                 for (const ContactEvent kind : next_surface_events(network.pairs[q]))
                     if (kind != ContactEvent::none && search.locate_in_surfaces(q, kind, length))
                         event = {kind, q}, last = false;
+        if (closes >= 0 && !(event.pair == closes && event.what == ContactEvent::ends)) return {};
         if (const PairEvent now = ends_within_rounding()) return {.event = now};
         if (event && end() > until) {  // time would have run backwards beyond touch
             end_at_time();

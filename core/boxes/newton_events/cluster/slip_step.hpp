@@ -29,6 +29,7 @@ public:
         const auto size = static_cast<std::size_t>(n_);
         for (auto* x : {&at_.node, &at_.slope}) x->resize(Radau::stages * size);
         for (auto* x : {&at_.whole, &at_.half}) x->resize(size);
+        turning_.resize(Radau::stages * at_.pairs.size());
     }
 
     // out = y(h) by two steps of half the length. Returns the largest difference from one whole step in units of the
@@ -54,6 +55,7 @@ private:
     const double* tolerance_;
     SlipStages& at_;
     const int n_, coupled_;
+    std::vector<typename SurfacesNow<Law>::Turning> turning_;  // [5 × pairs]
 
     double* node(int i) { return &at_.node[static_cast<std::size_t>(i * n_)]; }
     double* slope(int i) { return &at_.slope[static_cast<std::size_t>(i * n_)]; }
@@ -69,9 +71,13 @@ private:
         }
         double last = math::infinity;
         for (int round = 0;; ++round) {
-            for (int i = 0; i < Radau::stages; ++i) f_(node(i), slope(i));
+            const std::size_t count = at_.pairs.size();
+            for (std::size_t i = 0; i < Radau::stages; ++i) {
+                f_(node(static_cast<int>(i)), slope(static_cast<int>(i)));
+                std::copy_n(f_.surfaces.turning.begin(), count, &turning_[i * count]);
+            }
             double largest = 0.0;
-            for (const int q : at_.pairs) largest = math::max(largest, turn(q, y, h));
+            for (std::size_t k = 0; k < count; ++k) largest = math::max(largest, turn(k, y, h));
             largest = math::max(largest, move_others(y, h));
             if (!(largest < math::infinity) || round == most_rounds) return false;
             if (largest < little && (largest < 1e-4 * little || largest >= 0.1 * last)) break;
@@ -85,14 +91,14 @@ private:
         return true;
     }
 
-    // One step of Newton's method for the direction of a pair at the nodes. Returns the largest change.
-    double turn(int pair, const double* y, double h) {
+    // One step of Newton's method for the direction of the kth pair at the nodes. Returns the largest change.
+    double turn(std::size_t k, const double* y, double h) {
         double matrix[Radau::stages][Radau::stages], change[Radau::stages];
-        const int z = direction(pair);
+        const int z = direction(at_.pairs[k]);
         for (int i = 0; i < Radau::stages; ++i) {
-            const SurfacePair<Law> now(Snapshot<Law>{f_.network, f_.layout, node(i)}, pair);
-            const auto drive = now.drive(slope(i));
-            const double limit = math::max(now.limit(), 0.0), at = node(i)[z];
+            const auto& turning = turning_[static_cast<std::size_t>(i) * at_.pairs.size() + k];
+            const auto& drive = turning.drive;
+            const double limit = math::max(turning.limit, 0.0), at = node(i)[z];
             double rate = 0.0;
             for (int j = 0; j < Radau::stages; ++j) {
                 const double d = Radau::derivative.at[i][j] / h;

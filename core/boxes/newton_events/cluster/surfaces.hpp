@@ -41,8 +41,10 @@ public:
     double first_arm, second_arm = 0.0;
     Vector3 spin, slip, turn;  // Σ a ω [m/s], g, dn/dt
 
-    SurfacePair(const Snapshot<Law>& now, int pair) : now_(now), q_(now.network.pairs[pair]), pair_(pair) {
-        g = now.geometry(q_);
+    SurfacePair(const Snapshot<Law>& now, int pair)
+        : SurfacePair(now, pair, now.geometry(now.network.pairs[pair])) {}
+    SurfacePair(const Snapshot<Law>& now, int pair, const ContactGeometry& geometry)
+        : g(geometry), now_(now), q_(now.network.pairs[pair]), pair_(pair) {
         s = now.depth_root(pair, g);
         force = q_.law.force(s, g.rate);
         const double *va = now.y + now.layout.velocity(q_.first), *wa = now.y + now.layout.spin(q_.first);
@@ -63,7 +65,10 @@ public:
         const Vector3 across = v + g.rate * g.normal;
         slip = across - cross(spin, g.normal);
         turn = is_wall() ? Vector3{} : (1.0 / g.distance) * across;
+        if (q_.surfaces.slips) direction_ = direction_of_slip();
     }
+
+    int pair() const { return pair_; }
 
     bool is_wall() const { return q_.second < 0; }
     const FrictionTerms& friction() const { return q_.law.friction; }
@@ -81,13 +86,7 @@ public:
 
     // T of surfaces that stick, direction of Φ of surfaces that slip.
     Vector3 spring() const { return radius_power() * memory(); }
-    Vector3 direction() const {
-        if (!has_spring()) return unit(slip);
-        const double z = memory_at()[3];
-        const Vector3 e = unit(in_surface(memory()));
-        if (z == 0.0) return e;
-        return (1.0 / (1.0 + z * z)) * ((1.0 - z * z) * e + (2.0 * z) * cross(g.normal, e));
-    }
+    const Vector3& direction() const { return direction_; }
     // Φ
     Vector3 push() const {
         if (q_.surfaces.slips) return limit() * direction();
@@ -110,9 +109,10 @@ public:
         double along, across, excess, growth;  // growth: μ dF_n/dτ
         Vector3 h;
     };
-    Drive drive(const double* dy) const {
+    // dg/dτ in the surface
+    Vector3 slip_change(const double* dy) const {
         const StateLayout& at = now_.layout;
-        const double clock = dy[at.time()], viscous = damping();
+        const double clock = dy[at.time()];
         Vector3 dv = -1.0 * vector_at(dy + at.velocity(q_.first)),
                 dw = first_arm * vector_at(dy + at.spin(q_.first));
         if (is_wall()) {
@@ -121,6 +121,16 @@ public:
             dv = dv + vector_at(dy + at.velocity(q_.second));
             dw = dw + second_arm * vector_at(dy + at.spin(q_.second)) - (clock * g.rate / g.distance) * spin;
         }
+        return in_surface(dv + (clock * g.rate) * turn - cross(dw, g.normal) - clock * cross(spin, turn));
+    }
+    Drive drive(const double* dy) const {
+        const StateLayout& at = now_.layout;
+        const double clock = dy[at.time()], viscous = damping();
+        Vector3 dv = -1.0 * vector_at(dy + at.velocity(q_.first));
+        if (is_wall())
+            dv[static_cast<std::size_t>(q_.axis)] += clock * now_.network.wall_acceleration(q_, now_.time());
+        else
+            dv = dv + vector_at(dy + at.velocity(q_.second));
         const double bend = is_wall() ? 0.0 : dot(dv, g.normal) + clock * dot(turn, turn) * g.distance;
         const double rate_slope = is_wall() ? -dot(dv, g.normal) : -bend;
         const double stretch = p * math::power<p - 1>(s);  // dξ/ds
@@ -129,9 +139,7 @@ public:
                                                   : 0.0;
         Vector3 h = (clock * term(friction().stiffness)) * slip;
         if (!limits_spring() && viscous > 0.0) {
-            const Vector3 change =
-                dv + (clock * g.rate) * turn - cross(dw, g.normal) - clock * cross(spin, turn);
-            h = h + viscous * in_surface(change);
+            h = h + viscous * slip_change(dy);
             if (const int power = p * friction().damping.power / 4; power > 0)
                 h = h + (friction().damping.factor * power * whole_power(s, power - 1) * root_slope) * slip;
         }
@@ -165,7 +173,17 @@ private:
     const Snapshot<Law> now_;
     const ContactPair<Law>& q_;
     const int pair_;
+    Vector3 direction_{};
 
+    Vector3 direction_of_slip() const {
+        if (!has_spring()) return unit(slip);
+        const double z = memory_at()[3];
+        const Vector3 e = in_surface(memory());
+        if (q_.surfaces.frozen) return e;
+        const Vector3 f = unit(e);
+        if (z == 0.0) return f;
+        return (1.0 / (1.0 + z * z)) * ((1.0 - z * z) * f + (2.0 * z) * cross(g.normal, f));
+    }
     const double* memory_at() const { return now_.y + now_.layout.surface(pair_); }
     double term(const PowerTerm& t) const { return t.factor * whole_power(s, p * t.power / 4); }
     double elastic_force(int power) const { return q_.law.coefficients().elastic * whole_power(s, power); }

@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
 from ...support import saving, validation
 from ...support.formatting import listed
-from . import extended_xyz, gsd_file, lammps_data
-from .frame import Append, Found, Frame
+from . import dump, extended_xyz, gsd_file, lammps_data
+from .completion import OfTypes, Options, completed
+from .frame import Append, Frame
+
+__all__ = [
+    "FORMATS",
+    "OfTypes",
+    "Options",
+    "appender",
+    "is_readable",
+    "is_tilted",
+    "read",
+    "trajectory",
+    "write",
+]
 
 FORMATS: Final[dict[str, ModuleType]] = {
     ".xyz": extended_xyz,
@@ -20,6 +34,8 @@ FORMATS: Final[dict[str, ModuleType]] = {
     ".data": lammps_data,
     ".lmp": lammps_data,
 }
+#: Names of files that are dumps if they exist.
+LIKE_DUMPS: Final = re.compile(r"^dump|\.(gz|dump|lammpstrj|liggghts)$", re.IGNORECASE)
 
 
 def format_of(path: str | Path) -> tuple[Path, Any]:
@@ -30,22 +46,72 @@ def format_of(path: str | Path) -> tuple[Path, Any]:
     return target, FORMATS[target.suffix.lower()]
 
 
-def read(path: str | Path, frame: int = -1) -> Found:
-    """Read one frame of a file."""
-    target, kind = format_of(path)
-    which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
+def readable(path: str | Path) -> tuple[Path, Any]:
+    """The path of a file that exists, and the module of its format. A dump is known by its beginning."""
+    target = validation.path("path", path)
+    suffix = target.suffix.lower()
     try:
         target.stat()
-        if not target.is_file():
-            raise ValueError("cannot be read: not a file")
-        arguments: Found = kind.read(target, which)
+        if target.is_file() and dump.is_dump(target):
+            return target, dump
+    except OSError as error:
+        if suffix in FORMATS or LIKE_DUMPS.search(target.name):
+            raise validation.unreadable(path, error) from None
+    if suffix not in FORMATS:
+        endings = listed([*FORMATS], "or")
+        raise ValueError(
+            f"path: got {validation.shown(str(path))}, must end in {endings}, or be a text dump of LAMMPS or LIGGGHTS"
+        )
+    if not target.is_file():
+        raise ValueError(f"{path}: cannot be read: not a file")
+    return target, FORMATS[suffix]
+
+
+def is_readable(path: str | Path) -> bool:
+    """Whether a name is that of a box of grains, or the file is a dump."""
+    target = validation.path("path", path)
+    if target.suffix.lower() in FORMATS or LIKE_DUMPS.search(target.name):
+        return True
+    with suppress(OSError):
+        return target.is_file() and dump.is_dump(target)
+    return False
+
+
+def read(path: str | Path, frame: int = -1, options: Options | None = None) -> tuple[dict[str, Any], float]:
+    """Read one frame of a file: unchecked arguments of a system, and the rounding error of distances over the smallest
+    radius."""
+    target, kind = readable(path)
+    which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
+    with _naming(path):
+        return completed(kind.read(target, which), options or Options())
+
+
+def frames(path: str | Path, options: Options) -> Iterator[tuple[dict[str, Any], float]]:
+    """As :func:`read`, all frames of a file one after the other."""
+    target, kind = readable(path)
+    with _naming(path):
+        for content in kind.frames(target):
+            yield completed(content, options)
+
+
+def is_tilted(path: str | Path) -> bool:
+    """Whether the box of another program's file tilts, so that its flow has to be told."""
+    target, kind = readable(path)
+    with _naming(path):
+        return bool(dump.is_tilted(target) if kind is dump else kind.read(target, 0).tilt is not None)
+
+
+@contextmanager
+def _naming(path: str | Path) -> Iterator[None]:
+    """Errors of the block name the file."""
+    try:
+        yield
     except OSError as error:
         raise validation.unreadable(path, error) from None
     except MemoryError:
         raise ValueError(f"{path}: cannot be read: larger than the memory") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
-    return arguments
 
 
 def write(path: str | Path, frames: Iterable[Frame]) -> Path:

@@ -28,6 +28,8 @@ from .frame import (
     boundary_of,
     check_frame,
     read_table,
+    rounding_of,
+    sorted_by_id,
     spins_of,
     three,
     write_rows,
@@ -43,8 +45,11 @@ NAMES: Final = {
     "radius": "radius",
     "mass": "mass",
     "masses": "mass",
+    "density": "density",
+    "Density": "density",
     "angular_velocity": "angular_velocities",
     "omega": "angular_velocities",
+    "angular_momentum": "angular_momenta",
     "inertia_factor": "inertia_factor",
 }
 #: Number of columns of each property.
@@ -53,7 +58,9 @@ WIDTHS: Final = {
     "velocities": 3,
     "radius": 1,
     "mass": 1,
+    "density": 1,
     "angular_velocities": 3,
+    "angular_momenta": 3,
     "inertia_factor": 1,
 }
 _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
@@ -135,11 +142,22 @@ def read(path: Path, frame: int) -> Found:
     with open(path, "rb") as file:
         starts = list(_frames(file))
         check_frame(frame, len(starts))
-        file.seek(starts[frame])
-        n = int(file.readline())
-        entries = _entries(_text(file.readline()))
-        table, where = _table(file, n, entries)
-    return _arguments(table, where, entries), 0.0
+        return _read_at(file, starts[frame])
+
+
+def frames(path: Path) -> Iterator[Found]:
+    """All frames, one after the other."""
+    with open(path, "rb") as file:
+        starts = list(_frames(file))
+        check_frame(0, len(starts))
+        yield from (_read_at(file, start) for start in starts)
+
+
+def _read_at(file: BinaryIO, start: int) -> Found:
+    file.seek(start)
+    n = int(file.readline())
+    entries = _entries(_text(file.readline()))
+    return _found(list(islice(file, n)), entries)
 
 
 def _frames(file: BinaryIO) -> Iterator[int]:
@@ -174,11 +192,12 @@ def _entries(comment: str) -> dict[str, str]:
     return {key: quoted or plain for key, quoted, plain in _ENTRY.findall(comment)}
 
 
-def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dict[str, slice]]:
-    """Read the required columns; also returns which of them belong to each property."""
+def _columns(entries: dict[str, str]) -> tuple[list[int], dict[str, slice], dict[str, int]]:
+    """The columns that are read; which of these belong to each property; the columns of types and of ids."""
     parts = entries.get("Properties", "").split(":")
     used: list[int] = []
     where: dict[str, slice] = {}
+    labels: dict[str, int] = {}
     column = 0
     for name, kind, width in zip(parts[::3], parts[1::3], parts[2::3], strict=False):
         if not width.isdigit():
@@ -189,44 +208,93 @@ def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dic
         if name in NAMES and kind in "RI" and NAMES[name] not in where and count <= 3:
             where[NAMES[name]] = slice(len(used), len(used) + count)
             used += range(column, column + count)
+        if name in ("species", "id") and count == 1:
+            labels.setdefault(name, column)
         column += count
     widths = {name: place.stop - place.start for name, place in where.items()}
-    if not {"positions", "velocities", "radius", "mass"} <= widths.keys() or any(
-        width != WIDTHS[name] for name, width in widths.items()
-    ):
+    if "positions" not in widths or any(width != WIDTHS[name] for name, width in widths.items()):
         raise ValueError(
-            "Properties: must contain pos:R:3, velo:R:3, radius:R:1 and mass:R:1, and may contain "
-            "angular_velocity:R:3 and inertia_factor:R:1"
+            "Properties: must contain pos:R:3, and may contain velo:R:3, radius:R:1, mass:R:1, density:R:1, "
+            "angular_velocity:R:3, angular_momentum:R:3 and inertia_factor:R:1"
         )
-    return read_table("particles", islice(file, n), used), where
+    if "mass" in where:
+        where.pop("density", None)
+    if "angular_velocities" in where:
+        where.pop("angular_momenta", None)
+    return used, where, labels
 
 
-def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) -> dict[str, Any]:
-    cell = _vector(entries, "Lattice", 9).reshape(3, 3)
-    if np.any(cell != np.diag(np.diag(cell))) or np.any(_vector(entries, "Origin", 3, 0.0) != 0.0):
-        raise ValueError("Lattice | Origin: must be a box along the axes with a corner at the origin")
+def _found(lines: list[bytes], entries: dict[str, str]) -> Found:
+    used, where, labels = _columns(entries)
+    table = read_table("particles", lines, used)
     d = {"2": 2, "3": 3}.get(entries.get("dimension", "3"))
     if d is None:
         raise ValueError(f"dimension: got {validation.shown(entries['dimension'])}, must be 2 or 3")
+    arguments: dict[str, Any] = {}
+    for name in ("positions", "velocities"):
+        if name in where:
+            vectors = table[:, where[name]]
+            if np.any(vectors[:, d:]):
+                raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
+            arguments[name] = vectors[:, :d]
+    for name in ("angular_velocities", "angular_momenta"):
+        if name in where:
+            arguments[name] = spins_of(table[:, where[name]], d)
+    for name in ("radius", "mass", "density", "inertia_factor"):
+        if name in where:
+            arguments[name] = table[:, where[name]][:, 0]
+    cell = _vector(entries, "Lattice", 9).reshape(3, 3)
     flags = entries.get("pbc", "T T T").split()
     if len(flags) != 3 or not {*flags} <= {"T", "F", "1", "0"}:
         raise ValueError(f"pbc: got {validation.shown(entries['pbc'])}, must be T or F for each axis")
+    wraps = [flag in "T1" for flag in flags[:d]]
+    if "dimension" in entries:  # this package wrote it
+        return Found(arguments | _own(cell, wraps, entries, d), units="si")
+    return _of_another_program(arguments, cell, wraps, entries, _labels(lines, labels))
+
+
+def _labels(lines: list[bytes], columns: dict[str, int]) -> dict[str, list[str]]:
+    """The words of some columns."""
+    words = [_text(line).split() for line in lines] if columns else []
+    return {name: [row[column] for row in words] for name, column in columns.items()}
+
+
+def _of_another_program(
+    arguments: dict[str, Any],
+    cell: Floats,
+    wraps: list[bool],
+    entries: dict[str, str],
+    labels: dict[str, list[str]],
+) -> Found:
+    """A frame of OVITO or ASE: its box may begin elsewhere and may be tilted along x, positions may be unfolded."""
+    if np.any(np.triu(cell, 1)) or not (np.diag(cell) > 0.0).all():
+        raise ValueError("Lattice: must be a box along the axes, or one tilted along x")
+    written = [arguments["positions"].ravel()]
+    arguments["positions"] = arguments["positions"] - _vector(entries, "Origin", 3, 0.0)
+    tilt = np.array([cell[1, 0], cell[2, 0], cell[2, 1]])
+    arguments |= {"box": np.diag(cell).copy(), **boundary_of(wraps)}
+    types = labels.get("species")
+    if "id" in labels:
+        order = sorted_by_id(read_table("id", labels["id"])[:, 0])
+        arguments |= {name: arguments[name][order] for name in arguments.keys() & WIDTHS.keys()}
+        types = [types[k] for k in order] if types else None
+    return Found(
+        arguments,
+        rounding=rounding_of(written),
+        types=types,
+        tilt=tilt if tilt.any() else None,
+        is_folded=False,
+    )
+
+
+def _own(cell: Floats, wraps: list[bool], entries: dict[str, str], d: int) -> dict[str, Any]:
+    """Box and driving of a frame that this package wrote."""
+    if np.any(cell != np.diag(np.diag(cell))) or np.any(_vector(entries, "Origin", 3, 0.0) != 0.0):
+        raise ValueError("Lattice | Origin: must be a box along the axes with a corner at the origin")
     shear = _vector(entries, "shear", 3) if "shear" in entries else None
-    positions, velocities = (table[:, where[name]] for name in ("positions", "velocities"))
-    if np.any(positions[:, d:]) or np.any(velocities[:, d:]):
-        raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
-    rotation = {}
-    if "angular_velocities" in where:
-        rotation["angular_velocities"] = spins_of(table[:, where["angular_velocities"]], d)
-    if "inertia_factor" in where:
-        rotation["inertia_factor"] = table[:, where["inertia_factor"]][:, 0]
-    return rotation | {
-        "positions": positions[:, :d],
-        "velocities": velocities[:, :d],
-        "radius": table[:, where["radius"]][:, 0],
-        "mass": table[:, where["mass"]][:, 0],
+    return {
         "box": np.diag(cell)[:d],
-        **boundary_of([flag in "T1" for flag in flags[:d]], shear),
+        **boundary_of(wraps, shear),
         "gravity": _vector(entries, "gravity", 3, 0.0)[:d],
         "walls": from_entries(
             wall.split() for wall in entries.get("moving_walls", "").split(";") if wall.strip()

@@ -51,8 +51,19 @@ Append = Callable[[Frame], None]
 BLOCK: Final = 65536  #: number of rows formatted at a time
 
 
-#: Unchecked arguments of ParticleSystem from a file, and the rounding error of distances over the smallest radius.
-Found = tuple[dict[str, Any], float]
+@dataclass(frozen=True)
+class Found:
+    """What a file has of a system, unchecked and in its own units."""
+
+    arguments: dict[str, Any]  #: of ParticleSystem; also ``angular_momenta``
+    rounding: float = 0.0  #: rounding error of a coordinate and of a radius together
+    units: str | None = None  #: the units that the file names
+    types: list[str] | None = None  #: (N,)
+    sides: tuple[str, ...] | None = (
+        None  #: both ends of each axis, as in LAMMPS' dumps, in place of ``boundary``
+    )
+    tilt: Floats | None = None  #: xy, xz and yz of a box that may tilt
+    is_folded: bool = True  #: whether all positions lie in the box
 
 
 def three(values: Floats, last: float = 0.0) -> Floats:
@@ -94,6 +105,39 @@ def spins_of(rows: Floats, dimension: int) -> Floats:
     if dimension == 2 and np.any(rows[:, :2]):
         raise ValueError("dimension: got 2, must be 3 for particles that spin about x or y")
     return spins.from_core(rows, dimension)
+
+
+def wraps_of(sides: Iterable[str]) -> list[bool]:
+    """Whether each axis is periodic, from its sides in a dump of LAMMPS, such as pp or fs."""
+    return [side.startswith("p") for side in sides]
+
+
+def rounding_of(values: Iterable[Floats], least: int = 6, most: int = 13) -> float:
+    """Rounding error of decimal numbers: half of the last digit of the largest one.
+
+    All have as many digits as the longest, at least 6, as C's %g has: shorter ones end in zeros.
+    """
+    x = np.abs(np.concatenate(list(values)))
+    x = x[x > 0.0]
+    if not x.size:
+        return 0.0
+    exponents = np.floor(np.log10(x))
+    for digits in range(least, most):
+        scaled = x * 10.0 ** (digits - 1 - exponents)
+        if (np.abs(scaled - np.rint(scaled)) <= 8.0 * np.finfo(float).eps * scaled).all():
+            break
+    return float(0.5 * 10.0 ** (exponents.max() - digits + 1))
+
+
+def sorted_by_id(ids: Floats) -> NDArray[np.int64]:
+    """The order of particles by their numbers, which may have gaps."""
+    order = np.argsort(ids, kind="stable")
+    twice = np.flatnonzero(np.diff(ids[order]) == 0.0)
+    if len(twice):
+        raise ValueError(
+            f"id: got {ids[order][twice[0]]:.16g} twice, must be another number for each particle"
+        )
+    return order
 
 
 def check_frame(frame: int, count: int) -> None:

@@ -150,6 +150,14 @@ def read(path: Path, frame: int) -> Found:
     return _of_another_program(snapshot)
 
 
+def frames(path: Path) -> Iterator[Found]:
+    """All frames, one after the other."""
+    yield read(path, 0)
+    with _library().open(str(path), "r") as file:
+        count = len(file)
+    yield from (read(path, frame) for frame in range(1, count))
+
+
 def _check_counts(file: Any, frame: int, size: int) -> None:
     """Refuse impossible numbers of particles or bonds before gsd allocates memory for them."""
     for what in ("particles", "bonds", "angles", "dihedrals", "impropers", "constraints", "pairs"):
@@ -191,7 +199,7 @@ def _in_double(snapshot: Any) -> Found:
             values["walls"] = from_entries(driving["walls"])
             values["thermostat"] = from_entry(driving["thermostat"])
             shear = driving.get("shear")
-        return values | boundary_of(values.pop("periodic"), shear), 0.0
+        return Found(values | boundary_of(values.pop("periodic"), shear), units="si")
     except (KeyError, TypeError, RecursionError) as error:
         raise ValueError(f"log: {DRIVING} is damaged: {_line(error)}") from None
 
@@ -213,8 +221,7 @@ def _of_another_program(snapshot: Any) -> Found:
         "box": box,
     }
     arguments |= _rotation(p, arguments["mass"] * arguments["radius"] ** 2, d)
-    smallest = max(float(arguments["radius"].min()), np.finfo(np.float64).tiny)
-    return arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2)
+    return Found(arguments, rounding=float(rounding.max()))
 
 
 def _rotation(particles: Any, unit: Floats, d: int) -> dict[str, Floats]:

@@ -14,7 +14,6 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from decimal import Decimal
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
@@ -23,8 +22,6 @@ from numpy.typing import NDArray
 
 from ...contact.balls import ball_masses
 from ...support import validation
-from ...support.formatting import listed
-from ...support.units import SYSTEMS
 from .. import spins
 from .frame import Append, Floats, Found, Frame, boundary_of, read_table, spins_of, three, write_rows
 
@@ -132,41 +129,39 @@ def read(path: Path, frame: int) -> Found:
         raise ValueError("not UTF-8 text") from None
     header, sections = _parts(lines)
     mark = _MARK.match(lines[0]) if lines else None
-    mass, length, time = _units(lines[0] if lines else "")
     d = int(mark[1]) if mark else 3
     n = _count(header)
-    limits = _limits(header, sheared=bool(mark and mark[4]))
+    limits = _limits(header)
     atoms = _table("Atoms", sections, n, (7, 10))
     speeds = _table("Velocities", sections, n, (7, 4))
     if np.any(atoms[:, 4 + d : 7]) or np.any(speeds[:, 1 + d : 4]):
         raise ValueError("dimension: got 2, must be 3 for particles with z ≠ 0")
     arguments = {
-        "positions": _scaled(atoms[:, 4 : 4 + d] - limits[:d, 0], length),
-        "velocities": _scaled(speeds[:, 1 : 1 + d], length / time),
-        "radius": _scaled(0.5 * atoms[:, 2], length),
-        "density": _scaled(atoms[:, 3], mass / length**3),
-        "box": _scaled(limits[:d, 1] - limits[:d, 0], length),
+        "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
+        "velocities": speeds[:, 1 : 1 + d],
+        "radius": 0.5 * atoms[:, 2],
+        "density": atoms[:, 3],
+        "box": limits[:d, 1] - limits[:d, 0],
     }
     turning = speeds[:, 4:7]
     if bool(mark and mark[6]) or np.any(turning):
         if turning.shape[1] == 0:
             raise ValueError("Velocities: got 4 columns, must be 7 for particles with spins")
-        arguments["angular_velocities"] = _scaled(spins_of(turning, d), 1 / time)
-    return arguments | _from_mark(mark, d), 0.0
+        arguments["angular_velocities"] = spins_of(turning, d)
+    tilt = _tilt(header)
+    if mark:
+        if tilt is not None and not mark[4]:
+            raise ValueError("header: got a tilted box, must be a box along the axes without shear")
+        return Found(arguments | _from_mark(mark, d), units="si")
+    types = [f"{kind:.16g}" for kind in atoms[:, 1].tolist()]
+    named = re.search(r"\bunits = (\w+)", lines[0] if lines else "")
+    units = named[1] if named else None
+    return Found(arguments, units=units, types=types, tilt=tilt, is_folded=False)
 
 
-def _units(first: str) -> list[Decimal]:
-    """Units of mass, length and time that the first line names, in SI; ``lj`` numbers stay as they are."""
-    named = re.search(r"\bunits = (\w+)", first)
-    known = {"lj": (1.0, 1.0, 1.0), **SYSTEMS}
-    if named and named[1] not in known:
-        raise ValueError(f"units: got {validation.shown(named[1])}, must be {listed([*known], 'or')}")
-    return [Decimal(repr(factor)) for factor in known[named[1] if named else "si"]]
-
-
-def _scaled(values: Floats, unit: Decimal) -> Floats:
-    """Values times a power of ten, rounded once."""
-    return values / float(1 / unit) if unit < 1 else values * float(unit)
+def frames(path: Path) -> Iterator[Found]:
+    """The only frame."""
+    yield read(path, 0)
 
 
 def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:
@@ -194,12 +189,23 @@ def _count(header: Iterable[str]) -> int:
     return int(counts[0])
 
 
-def _limits(header: Iterable[str], sheared: bool) -> Floats:
+def _tilt(header: Iterable[str]) -> Floats | None:
+    """Tilts xy, xz and yz of the box, or None."""
+    for line in header:
+        if re.search(r"\b(avec|bvec|cvec)\b", line):
+            raise ValueError(
+                "header: got a general triclinic box, must be a box along the axes, or tilted along x"
+            )
+        match = re.fullmatch(r"\s*(\S+)\s+(\S+)\s+(\S+)\s+xy\s+xz\s+yz\s*", line)
+        if match:
+            return np.array([_float("xy xz yz", word) for word in match.groups()])
+    return None
+
+
+def _limits(header: Iterable[str]) -> Floats:
     """Lower and upper limits (3, 2) of the box."""
     limits: dict[str, list[float]] = {}
     for line in header:
-        if not sheared and re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
-            raise ValueError("header: got a tilted box, must be a box along the axes")
         match = re.fullmatch(r"\s*(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi\s*", line)
         if match:
             limits[match[3]] = [_float(f"{match[3]}lo {match[3]}hi", word) for word in match.groups()[:2]]
@@ -236,10 +242,8 @@ def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, width
     return rows
 
 
-def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
-    """Walls, gravity and shear from the first line, if this package wrote it."""
-    if mark is None:
-        return {}
+def _from_mark(mark: re.Match[str], d: int) -> dict[str, Any]:
+    """Walls, gravity and shear from the first line, which this package wrote."""
     sides, gravity = mark[2].split(), mark[3].split()
     if len(sides) != d or len(gravity) != d:
         raise ValueError("first line: must contain a boundary and a gravity for each axis")

@@ -15,6 +15,7 @@ NOWHERE: Final = Quote("", 0, "")
 #: Fields of a stage, in words, and those whose value is empty if it is not known.
 FIELDS: Final = {
     **{"time_step": "the time step", "gravity": "gravity", "down": "gravity", "pressed": "pressure"},
+    "pressure": "pressure",
     **dict.fromkeys(("driven", "shear_rate", "bath"), "what drives the grains"),
 }
 LISTS: Final = ("pressed", "driven")
@@ -45,6 +46,8 @@ def settings_of(stage: Stage) -> Any:
         "time_step_given": True,
         "units_given": True,
         "system": 0,
+        "edges": (),
+        "floor": None,
     }
     return plain(replace(stage, **same, contents=NOTHING))
 

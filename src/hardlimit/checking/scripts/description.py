@@ -135,6 +135,11 @@ class Stage:
     numerical_damping: float | None  #: of the integrator; None in codes without it
     down: Direction | None = None  #: the direction of gravity; None if not known
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
+    pressure: float | None = None  #: that is prescribed: the mean over the axes
+    edges: tuple[float | None, ...] = (None, None, None)  #: of the box
+    floor: float | None = (
+        None  #: area across gravity of a box that is periodic there; in two dimensions its edge
+    )
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear
     bath: tuple[float, float] | None = (

@@ -67,6 +67,48 @@ def driven(state: State) -> Driven:
     return tuple(pressed), tuple(others), rates[0] if rates else None, baths[0] if baths else None
 
 
+def pressure(state: State) -> float | None:
+    """The pressure that barostats, walls under a force and ``fix deform`` prescribe: the mean of the stated axes.
+
+    None without one, or if it is not known, not positive, or prescribed twice.
+    """
+    stated = [values for fix in state.fixes.values() if (values := _pressures(state, fix))]
+    if len(stated) != 1 or None in stated[0]:
+        return None
+    mean = math.fsum(value or 0.0 for value in stated[0]) / len(stated[0])
+    return mean if mean > 0.0 and math.isfinite(mean) else None
+
+
+def _pressures(state: State, fix: Fix) -> list[float | None]:
+    """The pressures at the end that a fix prescribes; a force of a servo acts on the floor of the box."""
+    words = fix.words
+    if fix.style.startswith("deform"):
+        parts = [values[0] for _, style, values in deformed(words) if style.startswith("pressure") and values]
+        return [state.coefficient(word) for word in parts]
+    if fix.style.endswith("servo") and "force" in words and {"axis", "target_val"} <= set(words[:-1]):
+        normal = [state.coefficient(word) for word in words[words.index("axis") + 1 :][:3]]
+        force = state.coefficient(words[words.index("target_val") + 1])
+        sides = [state.edges.get(axis) for axis, part in zip(AXES, normal, strict=False) if part == 0.0]
+        area = math.prod(side or math.nan for side in sides)
+        return [abs(force) / area if force is not None and len(sides) == 2 and area > 0.0 else None]
+    if not fix.style.startswith(("nph", "npt", "press/", "box/relax")):
+        return []
+    place = 1 if fix.style.startswith("box/relax") else 2
+    ends = [
+        words[k + place] for k, word in enumerate(words[:-place]) if word in ("iso", "aniso", "tri", *AXES)
+    ]
+    return [state.coefficient(word) for word in ends]
+
+
+def floor(state: State) -> float | None:
+    """Area of the box across gravity if it is periodic there: walls may leave less."""
+    down = state.down()
+    across = [k for k in range(state.dimension) if down is None or abs(down[k]) < 1e-9]
+    sides = [state.edges.get(AXES[k]) for k in across if state.filling.periodic(k)]
+    known = [side for side in sides if side is not None]
+    return math.prod(known) if len(known) == len(across) == state.dimension - 1 else None
+
+
 def measured(state: State, words: Sequence[str]) -> bool:
     """Whether a wall stands where a variable that depends on measured forces says."""
     known = state.variables.known

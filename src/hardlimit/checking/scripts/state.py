@@ -684,6 +684,9 @@ class State:
             numerical_damping=None,
             down=self.down(),
             pressed=pressed,
+            pressure=motion.pressure(self),
+            edges=tuple(self.edges.get(axis) for axis in motion.AXES),
+            floor=motion.floor(self),
             driven=driven,
             shear_rate=shear_rate,
             bath=bath,
@@ -1050,19 +1053,55 @@ class State:
 
     def gravity(self) -> float | None:
         """The magnitude of gravity."""
-        for fix in self.fixes.values():
-            if fix.style == "gravity" and fix.words:
-                word = fix.words[0]
-                if word.startswith("v_") and self.variables.of(word[2:]) is None:
-                    self.unknown[fix.statement.quote] = None  # it changes in time
-                    return None
-                return self.number(fix.statement, word)
-        return None
+        pull = self.pulls()
+        if len(pull) > 1:
+            total = self.total(pull)
+            return None if total is None else math.hypot(*total) or None
+        return self.strength(pull[0]) if pull else None
 
     def down(self) -> Direction | None:
-        """The direction of gravity, as in LAMMPS' ``FixGravity``."""
-        fix = next((fix for fix in self.fixes.values() if fix.style == "gravity"), None)
-        if fix is None or len(fix.words) < 3:
+        """The direction of gravity."""
+        pull = self.pulls()
+        if len(pull) != 1:
+            total = self.total(pull)
+            size = math.hypot(*total or (0.0,))
+            return tuple(part / size for part in total) if total and size > 0.0 else None
+        return self.direction(pull[0])
+
+    def pulls(self) -> list[Fix]:
+        """The fixes of gravity that act together. Grains of other groups may have equal ones."""
+        fixes = [fix for fix in self.fixes.values() if fix.style == "gravity" and fix.words]
+        if len({fix.group for fix in fixes}) < 2:
+            return fixes
+        groups = [self.members(fix.group).types for fix in fixes]
+        known = [group for group in groups if group is not None]
+        apart = len(known) == len(fixes) and sum(map(len, known)) == len(frozenset().union(*known))
+        if not apart or len({fix.words for fix in fixes}) > 1:
+            self.unknown |= {fix.statement.quote: None for fix in fixes[1:]}
+        return fixes[:1]
+
+    def total(self, pulls: Sequence[Fix]) -> Direction | None:
+        """The sum of several fixes of gravity; None if one is not known, which is quoted."""
+        total = [0.0, 0.0, 0.0]
+        for fix in pulls:
+            size, direction = self.strength(fix), self.direction(fix)
+            if size is None or direction is None:
+                self.unknown[fix.statement.quote] = None
+                return None
+            total = [before + size * part for before, part in zip(total, direction, strict=True)]
+        return tuple(total)
+
+    def strength(self, fix: Fix) -> float | None:
+        """The magnitude of ``fix gravity``."""
+        word = fix.words[0]
+        if word.startswith("v_") and self.variables.of(word[2:]) is None:
+            self.unknown[fix.statement.quote] = None  # it changes in time
+            return None
+        return self.number(fix.statement, word)
+
+    def direction(self, fix: Fix) -> Direction | None:
+        """The direction of ``fix gravity``, as in LAMMPS' ``FixGravity``."""
+        if len(fix.words) < 3:
             return None
         _, style, *rest = fix.words
         words = rest[: {"chute": 1, "spherical": 2, "vector": self.dimension}.get(style, 0)]

@@ -136,6 +136,14 @@ TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCo
 UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
 """
 PRESSING: Final = frozenset(PRESSING_NAMES.split())
+#: The stresses of those that prescribe one, and which of them are stresses by default: a bit for each.
+PRESSURES: Final = {
+    "PeriTriaxController": (("goal",), 0),
+    "Peri3dController": (("goal",), 0),
+    "TriaxialStressController": (("goal1", "goal2", "goal3"), 7),
+    "PeriIsoCompressor": (("stresses",), 0),
+    "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
+}
 #: Those that move walls or grains steadily.
 STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
 #: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
@@ -194,8 +202,8 @@ OTHER_SHAPES: Final = (
 )
 #: Attributes that change contacts, grains or time steps while the script runs.
 CHANGING_NAMES: Final = """
-young poisson density en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt engines active
-dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
+young poisson density densityScaling en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt
+engines active dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
 """
 #: Those that change only tangential forces.
 TANGENTIAL_NAMES: Final = """
@@ -208,7 +216,20 @@ CHANGING: Final = frozenset(CHANGING_NAMES.split()) | TANGENTIAL
 OF_CONTACTS: Final = (
     CHANGING
     - TANGENTIAL
-    - {*("density", "gravity", "radius", "mass", "dynamic", "blockedDOFs", "dt", "active", "dead")}
+    - {
+        *(
+            "density",
+            "densityScaling",
+            "gravity",
+            "radius",
+            "mass",
+            "dynamic",
+            "blockedDOFs",
+            "dt",
+            "active",
+            "dead",
+        )
+    }
 )
 #: Attributes of ``O`` that change neither contacts nor grains.
 SCENE_NAMES: Final = """
@@ -243,7 +264,7 @@ PLAIN: Final = (
     "sorted",
 )
 #: Calls that change bodies, or add forces to those of contacts.
-FORCE_METHODS: Final = ("addF", "setPermF", "addForce")
+FORCE_METHODS: Final = ("addF", "setPermF", "addForce", "addT", "setPermT", "addTorque", "addMove", "addRot")
 TOUCHING: Final = (
     "toSimulation",
     "growParticles",
@@ -255,6 +276,8 @@ TOUCHING: Final = (
     "setContactFriction",
     *FORCE_METHODS,
 )
+#: Where a script revives a dead engine.
+REVIVED: Final = re.compile(r"\.dead\s*=(?!\s*(True|1\b))|setattr")
 #: Most bodies that a loop runs over one by one.
 MAX_BODIES: Final = 1000
 #: Shapes in the names of functors.
@@ -323,6 +346,7 @@ class Yade(Evaluator):
         self.locked: Quote | None = None  #: the same of bodies of which it is not known which ones they are
         self.unknown: dict[Quote, None] = {}
         self.refused: dict[str, None] = {}
+        self.revives = REVIVED.search(text) is not None
         self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
         self.instances.clear()
         self.label(self.engines)
@@ -544,7 +568,9 @@ class Yade(Evaluator):
             self.filling.cell = vector(instance.argument(0, "size")) or vector(instance.arguments)
         if owner == "O.forces" and name in FORCE_METHODS:
             note = Note(
-                f"an additional force (O.forces.{name})", None, self.quote(instance.line, instance.text)
+                f"an additional force or displacement (O.forces.{name})",
+                None,
+                self.quote(instance.line, instance.text),
             )
             self.invalidates[note] = None
         if isinstance(owner, Instance) and owner.name == "SpherePack":
@@ -922,8 +948,12 @@ class Yade(Evaluator):
         return not entered and any(instance.name.startswith(parts) for instance in self.instances)
 
     def used(self, start: str) -> list[Instance]:
-        """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it."""
-        return list(inside(self.instances if self.apart else self.engines, start))
+        """Instances whose name begins so: those of ``O.engines``, or all of a script that makes them beside it.
+
+        Without engines that are dead, if the script never revives one.
+        """
+        instances = inside(self.instances if self.apart else self.engines, start)
+        return [each for each in instances if self.revives or not each.attributes.get("dead", False)]
 
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
@@ -947,6 +977,7 @@ class Yade(Evaluator):
             numerical_damping=self.damping(integrators),
             down=self.down(integrators),
             pressed=pressed,
+            pressure=self.pressure(),
             driven=driven,
             shear_rate=shear_rate,
             system=self.system,
@@ -1046,6 +1077,25 @@ class Yade(Evaluator):
             pressed.append(Note("a cell that shrinks (velGrad)", None, quote))
         other = (Note("O.cell.velGrad", None, quote),) if any(rates[::4]) or len(sheared) > 1 else ()
         return tuple(pressed), other, sheared[0] if len(sheared) == 1 and not other else None
+
+    def pressure(self) -> float | None:
+        """The pressure that a controller prescribes; None if there is none or several, or if it is not known."""
+        engines = [engine for engine in self.used("") if engine.name in PRESSURES]
+        if len(engines) != 1:
+            return None
+        (names, mask), engine = PRESSURES[engines[0].name], engines[0]
+        values, mask = (
+            flat([engine.attributes.get(name) for name in names]),
+            engine.attributes.get("stressMask", mask),
+        )
+        if engine.name == "PeriIsoCompressor":
+            values, mask = values[-1:], 1
+        if not isinstance(mask, int):
+            return None
+        values = [value for k, value in enumerate(values[:3]) if mask >> k & 1]
+        if not values or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in values):
+            return None
+        return abs(math.fsum(values)) / len(values) or None
 
     def motion(self) -> Motion | None:
         """The fastest motion of walls and of fixed spheres; which of them move is not read."""
@@ -1464,6 +1514,8 @@ class Yade(Evaluator):
         known = [material for material in self.materials if material.name in MATERIALS]
         for instance in dict.fromkeys([*self.used(""), *known]):
             quote, name = self.quote(instance.line, instance.text), instance.name
+            if instance.attributes.get("densityScaling", False):  # other masses than those of the grains
+                self.unknown[quote] = None
             strange = (
                 instance.attributes.keys()
                 - {"**"}

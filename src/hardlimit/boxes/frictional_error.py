@@ -1,0 +1,430 @@
+"""Theory of the law of the error with friction: what friction adds to the coefficient a of smooth particles.
+
+Both gases, of hard spheres and under Newton's equations, are followed by the balance of the energies of translation and
+rotation, from equal spins to the end of the measured window. Under Newton's equations three things differ, to first
+order in t_c ν: contacts store energy in both springs, they turn while they last, and the temperature ratio θ = T_r/T
+follows its own path. The turn is a quadrature over isolated contacts. docs/error_law.md compares with measurements.
+
+Units: radii 1, speeds √T(0), ν(0) = 1 for the balance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache, partial
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..contact.balls import Ball
+from ..contact.contact import Contact, Law
+from ..contact.friction import SPRING, Friction
+from ..contact.laws import LinearDashpot, Tsuji, Viscoelastic
+from ..support import validation
+from .box import Floats
+from .theory import Gas, RotatingGas
+
+#: Mean impact speed at T = 1.
+IMPACT_SPEED: Final = math.sqrt(math.pi)
+#: Collisions per particle between which the law was measured.
+WINDOW: Final = (3.0, 9.0)
+#: Size of a contact over the diameter, w/d = ⟨t_c⟩√(T/π)/d, at which turning contacts are compared with those of a
+#: fixed normal, whose diameter is larger by the factor FLAT.
+SIZE: Final = 1e-3
+FLAT: Final = 1e7
+#: Contacts of the quadrature over the turn, and over the energy in springs, of linear and of other laws, which take
+#: longer; times in each of the latter.
+TURNING: Final = MappingProxyType({True: 2048, False: 512})
+STORING: Final = MappingProxyType({True: 256, False: 64})
+INSTANTS: Final = 16
+#: Temperature ratios at which the exchange of energy is tabulated.
+RATIOS: Final = np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.2, 1.8, 2.7, 4.0, 7.0, 12.0])
+#: Smallest distance of the temperature ratios between which a line is drawn.
+APART: Final = 0.2
+#: Steps in each part of the balance, and t_c ν at the start for its derivative.
+STEPS: Final = 40
+SMALL: Final = 1e-4
+
+
+#: Powers of the linear force, and the laws by their powers.
+LINEAR: Final = (4, 0)
+MATERIAL: Final[Mapping[str, Any]] = MappingProxyType({"youngs_modulus": 1.0, "poisson_ratio": 0.3})
+LAWS: Final[Mapping[tuple[int, int], Callable[..., Law]]] = MappingProxyType(
+    {
+        LINEAR: partial(LinearDashpot, stiffness=1.0),
+        (6, 1): partial(Tsuji, **MATERIAL),
+        (6, 2): partial(Viscoelastic, **MATERIAL, impact_speed=IMPACT_SPEED),
+    }
+)
+#: By dimension − 2: coefficients b0 and b1 of the effect of third particles, (b0 + b1 φ) S², where S is the mean energy
+#: in the tangential spring over the loss of a collision. A fit to the measurement.
+THIRD: Final = ((0.5, 1.0), (0.45, 0.8))
+#: Ranges in which the law was measured.
+MEASURED: Final = MappingProxyType(
+    {
+        "μ": (0.0, 1.0),
+        "(m_n/m_t) k_t/k_n": (1.0, 3.5),
+        "γ_t/γ_n": (0.0, 1.0),
+        "ε": (0.7, 0.95),
+    }
+)
+#: Relative distance from these ranges that counts as none.
+NEAR: Final = 0.02
+#: Factors by which values may be outside these ranges; beyond, nothing is known.
+BEYOND: Final = 2.0
+
+
+class Setting(NamedTuple):
+    """Grains with friction."""
+
+    dimension: int
+    restitution: float
+    friction: Friction
+    theta: float  #: T_r/T at the start
+    inertia_factor: float
+    powers: tuple[int, int] = LINEAR  #: four times p and q of the normal force K ξ^p + C ξ^q dξ/dt
+
+    def values(self) -> dict[str, float]:
+        """Those of :data:`MEASURED`."""
+        ratio = (1.0 + 1.0 / self.inertia_factor) * (self.friction.stiffness_ratio or math.nan)
+        damping = self.friction.damping_ratio or 0.0
+        return dict(zip(MEASURED, (self.friction.coefficient, ratio, damping, self.restitution), strict=True))
+
+    def not_known(self) -> str:
+        """Why nothing is known of them, in words; empty if it is."""
+        model, linear = self.friction.model or "", self.powers == LINEAR
+        if (model != SPRING) if linear else not model.startswith("mindlin"):
+            return f"got the model {model}, must be {SPRING if linear else 'one of Mindlin’s'}"
+        if self.powers not in LAWS:
+            return (
+                "got it with another normal force, must be that of linear, Tsuji’s or viscoelastic contacts"
+            )
+        for name, value in self.values().items():
+            low, high = MEASURED[name]
+            least, most = low / BEYOND, min(high * BEYOND, 1.0) if name == "ε" else high * BEYOND
+            if name == "ε":
+                least = 1.0 - BEYOND * (1.0 - low)
+            if not least <= value <= most:
+                return (
+                    f"got {name} = {value:.3g}, must be in [{least:g}, {most:g}], near which it was measured"
+                )
+        return ""
+
+    def outside(self) -> str:
+        """Which values are outside the range of the measurements, in words."""
+        ranges = [
+            f"{name} = {value:.3g} is outside the measured range {low:g} to {high:g}"
+            for name, value, low, high in self._beyond()
+        ]
+        hertz = ["Hertz' laws with friction were measured at one point only"] * (self.powers != LINEAR)
+        return " and ".join(hertz + ranges)
+
+    def distance(self) -> float:
+        """How far outside, for the error bar: 0 inside, 2 where a value is twice as large, 1 for Hertz' laws."""
+        far = sum(
+            abs(math.log2(value / min(max(value, low), high))) for _, value, low, high in self._beyond()
+        )
+        return 2.0 * far + (self.powers != LINEAR)
+
+    def _beyond(self) -> list[tuple[str, float, float, float]]:
+        """Names and values outside the measured range, and its ends."""
+        return [
+            (name, value, low, high)
+            for name, value in self.values().items()
+            for low, high in [MEASURED[name]]
+            if not low * (1.0 - NEAR) <= value <= high * (1.0 + NEAR)
+        ]
+
+    def contact(self) -> Contact:
+        """Two equal grains with a stiffness or a modulus of 1; ε at the mean impact speed."""
+        law = LAWS[self.powers](restitution=self.restitution, friction=self.friction)
+        ball = Ball(1.0, mass=2.0, inertia_factor=self.inertia_factor)
+        return law.between(ball, ball)
+
+
+def friction_of(law: Law | None, friction: Friction | None) -> Friction | None:
+    """The friction of a law, or the given one as that of a linear dashpot, with ratios in place of N/m."""
+    if friction is not None and not isinstance(friction, Friction):
+        raise ValueError(f"friction: got {validation.shown(friction)}, must be a Friction")
+    if friction is None:
+        own = None if law is None else law.friction
+    elif law is not None and law.friction is not None:
+        raise ValueError("law | friction: got both with friction, must be one of them")
+    else:
+        bare = LinearDashpot(stiffness=1.0, restitution=1.0) if law is None else law
+        own = bare.replace(friction=friction).friction
+    if own is None or own.coefficient == 0.0:
+        return None
+    if own.stiffness is not None:
+        if law is None or "stiffness" not in law.parameters:
+            raise ValueError("friction: got stiffness, must be stiffness_ratio")
+        ratio = own.stiffness / law.parameters["stiffness"]
+        own = replace(own, stiffness=None, stiffness_ratio=ratio)
+    if own.damping:
+        raise ValueError("friction: got damping, must be damping_ratio")
+    return replace(own, damping=None)
+
+
+def third_particles(dimension: int, phi: float, spring: float) -> float:
+    """By how much third particles reduce a: they release tangential springs before these give their energy back."""
+    b0, b1 = THIRD[dimension - 2]
+    return (b0 + b1 * phi) * spring**2
+
+
+def bar(x: float, turn: float, third: float) -> float:
+    """Standard error of the change of a by friction, from the residuals of the measurement; x = 1 − ε²."""
+    return math.hypot(0.03 + 0.08 * x, 0.05 * turn, 0.25 * third)
+
+
+class Turned(NamedTuple):
+    """Changes of a collision by its turn over w/d and the loss: of the loss, and minus that of the gain of rotation."""
+
+    loss: float = 0.0
+    exchange: float = 0.0
+
+    def between(self, other: Turned, x: float) -> Turned:
+        """This at x = 0, the other at 1."""
+        return Turned(*(a + x * (b - a) for a, b in zip(self, other, strict=True)))
+
+
+class Stored(NamedTuple):
+    """Mean energy over a contact in m T: in the normal spring, and in the tangential one."""
+
+    normal: float
+    tangential: float
+
+
+def axes_of_rotation(dimension: int) -> int:
+    return 3 if dimension == 3 else 1
+
+
+def impacts(n: int, theta: float, q: float, dimension: int) -> tuple[Floats, Floats]:
+    """Velocities and spins times the diameter of the pairs that collide in a gas of T = 1: (n, 3) each.
+
+    The normal is z and the first particle is at rest: the second approaches along −z. Quasi-random, with fixed seed.
+    """
+    from scipy import special
+    from scipy.stats import qmc  # which other uses must not wait for
+
+    u = qmc.Sobol(5, seed=1).random(n)
+    velocity, spin = np.zeros((n, 3)), np.zeros((n, 3))
+    velocity[:, 2] = -2.0 * np.sqrt(-np.log1p(-u[:, 0]))
+    width = math.sqrt(2.0 * theta / q)
+    if dimension == 3:
+        velocity[:, 0] = 2.0 * np.sqrt(-np.log1p(-u[:, 1]))
+        spin[:] = width * special.ndtri(np.clip(u[:, 2:], 1e-12, 1.0 - 1e-12))
+    else:
+        normal = special.ndtri(np.clip(u[:, 1:3], 1e-12, 1.0 - 1e-12))
+        velocity[:, 0], spin[:, 1] = math.sqrt(2.0) * normal[:, 0], width * normal[:, 1]
+    return velocity, spin
+
+
+def is_linear(contact: Contact) -> bool:
+    return tuple(contact.law.record["powers"]) == LINEAR
+
+
+def mean_duration(contact: Contact) -> float:
+    """Mean duration of the collisions at T = 1."""
+    u = (np.arange(64) + 0.5) / 64.0
+    return float(contact.duration(2.0 * np.sqrt(-np.log1p(-u))).mean())
+
+
+def turned_at(contact: Contact, theta: float, dimension: int) -> Turned:
+    """Quadrature over isolated contacts of two equal particles at T = 1, turning and with a fixed normal."""
+    q, mass = contact.ball.inertia_factor, contact.ball.mass
+    velocities, spins = impacts(TURNING[is_linear(contact)], theta, q, dimension)
+    normal, ratio = np.array([0.0, 0.0, 1.0]), contact.effective_mass / contact.tangential_mass - 1.0
+    diameter = mean_duration(contact) / (math.sqrt(math.pi) * SIZE)
+    changes = np.zeros((2, 2))  # turning and flat; of all energy and of rotation
+    for row, d in zip(changes, (diameter, FLAT * diameter), strict=True):
+        inertia = 0.25 * q * mass * d * d
+        for v, s in zip(velocities, spins / d, strict=True):
+            end = _core.turning_contact(contact.core, d, d, ratio, normal, v, s)
+            after, spin = np.array(end["velocity"]), np.array(end["spin"])
+            spun = inertia * float(spin @ spin - s @ s)
+            row += (0.25 * mass * float(after @ after - v @ v) + spun, spun)
+    by_turn = (changes[0] - changes[1]) / (SIZE * changes[1, 0])
+    return Turned(*by_turn.tolist())
+
+
+def stored(contact: Contact, theta: float, dimension: int) -> Stored:
+    """Mean energy in the springs of a contact with a fixed normal at T = 1, weighted by durations."""
+    q, mass, friction = contact.ball.inertia_factor, contact.ball.mass, contact.friction_terms
+    assert friction is not None
+    velocities, spins = impacts(STORING[is_linear(contact)], theta, q, dimension)
+    normal, ratio = np.array([0.0, 0.0, 1.0]), contact.effective_mass / contact.tangential_mass - 1.0
+    d = FLAT * mean_duration(contact)
+    energies, total = np.zeros(2), 0.0
+    for v, s in zip(velocities, spins / d, strict=True):
+        duration = float(contact.duration(-v[2]))
+        times = (np.arange(INSTANTS) + 0.5) / INSTANTS * duration
+        path = _core.turning_path(contact.core, d, d, ratio, normal, v, s, times)
+        compression = np.maximum(-path[:, 2], 0.0)
+        stiffness = friction.stiffness * compression ** (0.25 * friction.stiffness_power)
+        force = np.sum(path[:, 13:16] ** 2, axis=1)
+        spring = np.divide(force, 2.0 * stiffness, out=np.zeros(INSTANTS), where=stiffness > 0.0)
+        energies += duration * np.array([contact.energy(compression).mean(), spring.mean()])
+        total += duration
+    return Stored(*(energies / (total * mass)).tolist())
+
+
+class Changes(NamedTuple):
+    """What Newton's equations change, to first order in t_c ν: relative changes of the temperatures by the energy in
+    contacts, and the changes of a collision by its turn, over t_c ν."""
+
+    translation: float = 0.0
+    rotation: float = 0.0
+    ratios: tuple[float, float] = (0.0, 1.0)  #: two temperature ratios
+    turned: tuple[Turned, Turned] = (Turned(), Turned())  #: at these, and by a line between and beyond them
+
+    def turn(self, theta: float) -> Turned:
+        first, second = self.ratios
+        return self.turned[0].between(self.turned[1], (theta - first) / (second - first))
+
+
+class Path(NamedTuple):
+    """A gas between the energies of the window."""
+
+    duration: float
+    root: float  #: mean √(T/T(0))
+    ratio: float  #: mean θ
+
+
+#: Hard spheres.
+HARD: Final = Changes()
+
+
+class Balance:
+    """The path of a cooling gas. E is the energy of translation and rotation that is not yet dissipated."""
+
+    def __init__(self, gas: RotatingGas, exponent: float) -> None:
+        """``exponent``: 1 + (c + 1)/q, with which the loss grows with the temperature under Newton's equations."""
+        from scipy.interpolate import CubicSpline
+
+        self.dimension, self.exponent = gas.gas.dimension, exponent
+        self.axes = axes_of_rotation(self.dimension)
+        means = [gas.mean_collision(theta) for theta in RATIOS.tolist()]
+        table = np.array([[mean.energy_change, mean.rotational_energy_change] for mean in means])
+        self._spline = CubicSpline(RATIOS / (1.0 + RATIOS), table / (1.0 + RATIOS)[:, None])
+
+    def collision(self, theta: float) -> Floats:
+        """Changes of the energy and of that of rotation, in m T."""
+        changes: Floats = self._spline(theta / (1.0 + theta)) * (1.0 + theta)
+        return changes
+
+    def rates(self, theta: float, tc_nu: float = 0.0, changes: Changes = HARD) -> tuple[float, float]:
+        """d ln E and dθ for a collision of each particle."""
+        seen = theta * (1.0 + (changes.rotation - changes.translation) * tc_nu)
+        loss, gain = self.collision(max(seen, 0.0)).tolist()
+        factor = 1.0 + self.exponent * changes.translation * tc_nu
+        turn = changes.turn(theta)
+        gain = gain * factor + loss * turn.exchange * tc_nu
+        loss *= factor + turn.loss * tc_nu
+        translation, rotation = (loss - gain) / self.dimension, gain / self.axes
+        return loss / (self.dimension + self.axes * theta), rotation - theta * translation
+
+    def energies(self, theta: float) -> tuple[float, float]:
+        """ln E of hard spheres at the ends of the window; E(0) = 1."""
+        state, ends = np.array([0.0, theta]), []
+        for first, last in pairwise((0.0, *WINDOW)):
+            for _ in range(STEPS):
+                state = _step(lambda _, y: np.array(self.rates(y[1])), 0.0, state, (last - first) / STEPS)
+            ends.append(float(state[0]))
+        return ends[0], ends[1]
+
+    def through(self, theta: float, energies: tuple[float, float], tc_nu: float, changes: Changes) -> Path:
+        """From the start to the end of the window."""
+        begin = self.dimension + self.axes * theta
+
+        def derivatives(energy: float, y: Floats) -> Floats:
+            root = math.sqrt(math.exp(energy) * begin / (self.dimension + self.axes * y[0]))  # √(T/T(0))
+            cooling, turning = self.rates(y[0], tc_nu * root, changes)
+            time = 1.0 / (cooling * root)
+            return np.array([turning / cooling, time, root * time, y[0] * time])
+
+        state = np.array([theta, 0.0, 0.0, 0.0])
+        for first, last in pairwise((0.0, *energies)):
+            state[1:] = 0.0
+            step = (last - first) / STEPS
+            for i in range(STEPS):
+                state = _step(derivatives, first + i * step, state, step)
+        return Path(float(state[1]), float(state[2] / state[1]), float(state[3] / state[1]))
+
+
+def _step(derivatives: Callable[[float, Floats], Floats], x: float, y: Floats, step: float) -> Floats:
+    """One step of the method of Runge and Kutta."""
+    first = derivatives(x, y)
+    second = derivatives(x + 0.5 * step, y + 0.5 * step * first)
+    third = derivatives(x + 0.5 * step, y + 0.5 * step * second)
+    fourth = derivatives(x + step, y + step * third)
+    return y + step / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
+
+
+class FrictionTerms(NamedTuple):
+    """What friction makes of the coefficient a; made by :func:`terms`."""
+
+    energy: float  #: a by the energy in contacts and their delay
+    turn: float  #: a D 2^D φ χ by the turn of contacts
+    spring: float  #: mean energy in tangential springs over the loss of a collision
+    temperature_ratio: float  #: mean θ in the window
+    offset: float  #: error of the rule constant with β0 of the law that does not vanish with t_c ν; NaN if it has no β0
+    smooth_error: float  #: that of hard spheres without friction, by the cooling of translation
+
+
+@lru_cache(maxsize=64)
+def _balance(setting: Setting, exponent: float) -> tuple[Gas, Balance]:
+    """The gas and the balance of its hard spheres, which do not depend on θ at the start."""
+    contact = setting.contact()
+    ball = contact.ball
+    gas = Gas(1, ball.radius, ball.mass, 1e3 * ball.radius**3, setting.dimension, ball.inertia_factor)
+    return gas, Balance(gas.rotating(law=contact.law, speed=IMPACT_SPEED), exponent)
+
+
+@lru_cache(maxsize=512)
+def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms:
+    """The terms of equal grains with friction.
+
+    ``q``, ``c``: exponents of the law. ``delayed``: b in the term −b (1 − ε²)/D of smooth particles, by which contacts
+    in progress and third particles reduce a.
+    """
+    contact, dimension, theta = setting.contact(), setting.dimension, setting.theta
+    ball, axes = contact.ball, axes_of_rotation(dimension)
+    exponent = 1.0 + (c + 1.0) / q
+    gas, balance = _balance(setting._replace(theta=0.0), exponent)
+    energies = balance.energies(theta)
+    hard = balance.through(theta, energies, 0.0, HARD)
+    mean = hard.ratio
+    loss, gain = balance.collision(mean).tolist()
+    springs, ratios = stored(contact, mean, dimension), (theta, mean)
+    if abs(mean - theta) < APART:
+        ratios = theta, theta + APART
+    turned = turned_at(contact, ratios[0], dimension), turned_at(contact, ratios[1], dimension)
+    # The energy in tangential springs comes from both motions, in proportion to their shares of g_t².
+    share = mean / (ball.inertia_factor + mean)
+    tangential = springs.tangential / (springs.normal * q)
+    late = delayed / exponent
+    translation = (1.0 / q + (1.0 - share) * tangential + late * (loss - gain)) / dimension
+    rotation = (share * tangential + late * gain) / (axes * mean) if mean > 0.0 else 0.0
+
+    def slower(changes: Changes) -> float:
+        duration = balance.through(theta, energies, SMALL, changes).duration
+        return (duration / hard.duration - 1.0) / (SMALL * hard.root)
+
+    epsilon = float(contact.restitution(IMPACT_SPEED))
+    offset, beta = math.nan, contact.effective_tangential_restitution(IMPACT_SPEED, dimension=dimension)
+    if not math.isnan(beta):
+        rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
+        offset = hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0
+    return FrictionTerms(
+        energy=slower(Changes(translation=-translation, rotation=-rotation)),
+        turn=slower(Changes(ratios=ratios, turned=turned)),
+        spring=springs.tangential / -loss,
+        temperature_ratio=mean,
+        offset=offset,
+        smooth_error=(1.0 - epsilon**2) / (gain - loss) - 1.0,
+    )

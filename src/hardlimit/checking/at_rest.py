@@ -1,0 +1,416 @@
+"""Grains that rest on each other or are pressed together: pressure, overlap, stiffness number, longest stable step.
+
+**Force.** A pressure p is carried by mean contact forces ⟨F⟩ = π d² p/(φ z) between spheres, π d p/(φ z) between
+disks, of the packing fraction φ and the coordination z: Love's and Weber's stress Σ F l/(D V) with l = d and N z/2
+contacts (Andreotti, Forterre & Pouliquen, Granular Media, 2013).
+
+**Stiffness number.** κ_p = k/(p d) of linear springs, (E*/p)^(2/3) of Hertz' contacts, 1/E* = Σ (1 − ν²)/E: d/δ of a
+contact under the force p d² but for a factor of about one. Grains are usually called rigid from 10⁴ on: Roux & Combe,
+C. R. Physique 3, 131 (2002); da Cruz, Emam, Prochnow, Roux & Chevoir, Phys. Rev. E 72, 021309 (2005).
+
+**Inertial number.** I = γ̇ d √(ρ/p), ρ of the grains: usually quasi-static below 10⁻³, dense flow up to 0.1, collisional
+above (GDR MiDi, Eur. Phys. J. E 14, 341 (2004); da Cruz et al. 2005).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final, NamedTuple
+
+import scipy
+
+from ..boxes.box import UNIT_BALL
+from ..convert.force import AdhesiveForce, Force
+from .contacts import Case
+
+#: Stiffness number from which grains count as rigid.
+RIGID: Final = 1e4
+#: Borders of the inertial number: of the quasi-static and of the collisional regime.
+QUASI_STATIC, COLLISIONAL = 1e-3, 0.1
+#: Acceleration [m/s²] under which grains rest that are given by numbers.
+GRAVITY: Final = 9.81
+#: Four times the power of Hertz' force.
+HERTZ: Final = 6
+#: Mean overlap of Hertz' contacts over that under the mean force, in such beds.
+HERTZ_SPREAD: Final = 0.92
+#: Packing fraction and coordination of settled spheres with friction over those of rigid ones, less one: the first
+#: times κ_p, the second times √κ_p, from κ_p = 100 on.
+DENSER, MORE_CONTACTS, SOFTEST = 5.6, 2.7, 100.0
+#: Share of the longest stable step that is safe: frequencies of beds differ by 5 %, and contacts form later.
+SAFE_SHARE: Final = 0.5
+#: The part of the contact duration that is usually taken as the time step.
+USUAL_STEP: Final = 50.0
+
+
+class Packing(NamedTuple):
+    """A packing of equal grains at rest."""
+
+    packing_fraction: float
+    coordination: float
+    stress_share: float = 1.0  #: mean of the normal stresses over that along gravity
+    bulk: float | None = None  #: φ z of the grains that carry the pressure, if not that of all
+
+
+#: Settled beds with and without friction by dimension. Spheres: beds of 524 to 900 by our own steps and in LAMMPS
+#: (linear springs at κ_p from 1e3 on, k_t = k and 2/7 k, μ = 0.5 and 0; Hertz and Mindlin) have φ z = 2.65 to 2.95 and
+#: 3.8 ± 0.1, shares of 0.77 to 0.89 and 0.92 to 1. Disks: isostatic or a little more (z = 4 without friction, 3 to 4
+#: with it), the shares are those of spheres.
+PACKINGS: Final = {
+    (3, True): Packing(0.59, 4.7, 0.80),
+    (3, False): Packing(0.63, 6.0, 0.96),
+    (2, True): Packing(0.80, 3.5, 0.80),
+    (2, False): Packing(0.83, 4.0, 0.96),
+}
+#: Largest m ω²/k_n of smooth spheres, and q m ω²/(2/3 k_t) of spheres that turn: value at z = 0 and slope, from the
+#: contact networks of these beds. Of disks, those of six neighbours, which no packing of equal ones exceeds.
+MOVED: Final = {3: (3.8, 0.38), 2: (6.0, 0.0)}
+TURNED: Final = {3: (8.0, 1.23), 2: (12.0, 0.0)}
+#: Share of the tangential springs in the motion of grains, which mostly roll; power of the mean over both motions.
+DRAGGED, MIXED = 0.5, 10.0
+
+
+# --- formulas -------------------------------------------------------------------------------------------------
+
+
+def mean_force(pressure: float, diameter: float, packing: Packing, dimension: int) -> float:
+    """Mean contact force [N] under a pressure [Pa]; in two dimensions [N/m]."""
+    carrying = packing.bulk or packing.packing_fraction * packing.coordination
+    return math.pi * diameter ** (dimension - 1) * pressure / carrying
+
+
+def compression(force: Force, load: float) -> float:
+    """Mean overlap [m] under a mean static force [N]."""
+    spread = HERTZ_SPREAD if force.powers.elastic == HERTZ else 1.0
+    return float(spread * (load / force.stiffness) ** (4.0 / force.powers.elastic))
+
+
+def stiffness_number(force: Force, pressure: float, first: float, second: float, dimension: int) -> float:
+    """κ_p of grains with these radii [m]; (K d^P/(p d^(D−1)))^(1/P) for other powers P than those above."""
+    diameter, power = first + second, 0.25 * force.powers.elastic
+    stress = pressure * diameter ** (dimension - 3)
+    if force.powers.elastic == HERTZ:
+        modulus = 0.75 * force.stiffness / math.sqrt(first * second / diameter)
+        return float((modulus / stress) ** (2.0 / 3.0))
+    return float((force.stiffness * diameter ** (power - 2.0) / stress) ** (1.0 / power))
+
+
+def inertial_number(shear_rate: float, diameter: float, density: float, pressure: float) -> float:
+    """I = γ̇ d √(ρ/p)."""
+    return abs(shear_rate) * diameter * math.sqrt(density / pressure)
+
+
+def regime(inertial: float) -> str:
+    """The regime of a flow with this inertial number."""
+    if inertial < QUASI_STATIC:
+        return "quasi-static"
+    return "dense" if inertial < COLLISIONAL else "collisional"
+
+
+def shaking_strength(shaking: float, gravity: float, frequency: float, diameter: float) -> float:
+    """S = (A ω)²/(g d) of a floor with Γ = A ω²/g and the angular frequency ω (Eshuis et al. 2007)."""
+    return (shaking * gravity / frequency) ** 2 / (gravity * diameter)
+
+
+def weight(height: float, density: float, gravity: float) -> float:
+    """Pressure [Pa] at the bottom of a bed of this height [m] and bulk density [kg/m³]; in two dimensions [N/m]."""
+    return density * gravity * height
+
+
+def largest_eigenvalue(
+    springs: Springs, mass: float, coordination: float, inertia: float, dimension: int
+) -> float:
+    """Largest ω² [1/s²] of the contact network of equal grains with these springs, all contacts sticking.
+
+    One grain between fixed neighbours in all directions has z k_n/(D m), and turning z k_t (1 − 1/D) D'/(q m) with
+    D' = 1 of spheres, 2 of disks. The highest modes are those around grains with the most neighbours, so that their
+    frequencies grow slowly with z: :data:`MOVED`, :data:`TURNED`, within 3 % of the beds for k_t/k_n from 0 to 1.5.
+    """
+    (moved, more), (turned, faster) = MOVED[dimension], TURNED[dimension]
+    normal = (moved + more * coordination) * (springs.normal + DRAGGED * springs.tangential)
+    turning = (turned + faster * coordination) * (1.0 if dimension == 2 else 2.0 / 3.0)
+    tangential = 0.0 if math.isinf(inertia) else turning * springs.tangential / inertia
+    largest = max(normal, tangential)
+    if not largest > 0.0:
+        return 0.0
+    mixed = (normal / largest) ** MIXED + (tangential / largest) ** MIXED
+    return float(largest * mixed ** (1.0 / MIXED) / mass)
+
+
+class Springs(NamedTuple):
+    """Springs and dashpots of a contact at its compression."""
+
+    normal: float  #: k_n [N/m]
+    tangential: float = 0.0  #: k_t [N/m]; 0 without friction
+    normal_damping: float = 0.0  #: γ_n [N s/m]
+    tangential_damping: float = 0.0  #: γ_t [N s/m]
+
+    def stiffened(self, step: float) -> Springs:
+        """The undamped springs with the same stability at this time step, k + 2 γ/h."""
+        return Springs(
+            self.normal + 2.0 * self.normal_damping / step,
+            self.tangential + 2.0 * self.tangential_damping / step,
+        )
+
+
+def stable_step(eigenvalue: Callable[[float], float]) -> float:
+    """Longest stable time step [s] of velocity Verlet, h² λ(h) = 4; infinite without springs.
+
+    λ(h) is the largest eigenvalue with the springs k + 2 γ/h. With the damping force at the velocity half a step
+    earlier, as in LAMMPS, LIGGGHTS and YADE, a motion that changes sign at each step has det(4 M − 2 h C − h² K) = 0,
+    with mass, damping and stiffness; for one oscillator it is h ω = 2 (√(1 + ζ²) − ζ). h = 2/√λ(h) has one solution,
+    since h² λ grows with h.
+    """
+    if eigenvalue(math.inf) > 0.0:
+        highest = 2.0 / math.sqrt(eigenvalue(math.inf))
+    elif eigenvalue(1.0) > 0.0:  # dashpots alone: λ(h) = λ(1)/h
+        return 4.0 / eigenvalue(1.0)
+    else:
+        return math.inf
+
+    def excess(step: float) -> float:
+        return step * math.sqrt(eigenvalue(step)) - 2.0
+
+    lowest = highest
+    while excess(lowest) > 0.0:
+        lowest *= 0.5
+    return highest if lowest == highest else float(scipy.optimize.brentq(excess, lowest, highest, rtol=1e-9))
+
+
+# --- contacts ---------------------------------------------------------------------------------------------------
+
+
+def springs_of(case: Case, overlap: float) -> Springs | None:
+    """The springs of a contact of known bodies at an overlap; None if its tangential force is not known."""
+    assert case.force is not None
+    bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
+    force = case.force(*bodies, 1.0)
+    p, q = 0.25 * force.powers.elastic, 0.25 * force.powers.damping
+    normal, damping = p * force.stiffness * overlap ** (p - 1.0), force.damping * overlap**q
+    if case.friction.coefficient == 0.0:
+        return Springs(normal, 0.0, damping)
+    if case.friction.terms is None:
+        return None
+    terms = case.friction.terms(*bodies, 1.0)
+    tangential = terms.stiffness * overlap ** (0.25 * terms.stiffness_power)
+    return Springs(normal, tangential, damping, terms.damping * overlap ** (0.25 * terms.damping_power))
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A contact of two grains, or of a grain and a wall, under a pressure, in the units of its case."""
+
+    case: Case
+    force: Force
+    pressure: float | None
+    packing: Packing
+    dimension: int
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of both grains; at a wall twice that of the grain."""
+        first, second = self.case.first, self.case.second or self.case.first
+        assert first.radius is not None and second.radius is not None
+        return first.radius, second.radius
+
+    @property
+    def compression(self) -> float | None:
+        """Mean overlap; None if it is not known."""
+        if self.pressure is None:
+            return None
+        load = mean_force(
+            self.pressure * self.packing.stress_share, sum(self.radii), self.packing, self.dimension
+        )
+        return compression(self.force, load)
+
+    @property
+    def stiffness_number(self) -> float | None:
+        """κ_p under the pressure of which this contact has its share."""
+        if self.pressure is None:
+            return None
+        return stiffness_number(self.force, self.pressure, *self.radii, self.dimension)
+
+    @property
+    def springs(self) -> Springs | None:
+        """The springs at the mean overlap; None if they are not known."""
+        overlap = self.compression
+        linear = self.force.powers.elastic == 4 and self.force.powers.damping == 0
+        if overlap is None:
+            terms = springs_of(self.case, 1.0)
+            same = terms is not None and terms == springs_of(self.case, 0.5)
+            return terms if linear and same else None
+        return springs_of(self.case, overlap)
+
+    def eigenvalue(self, springs: Springs) -> float:
+        """Largest ω² [1/s²] of a packing with these contacts, or of a grain that touches only this wall."""
+        bodies = [body for body in (self.case.first, self.case.second) if body is not None]
+        mass = min(body.mass for body in bodies if body.mass is not None)
+        inertia = min(body.inertia_factor for body in bodies)
+        if self.case.second is None:
+            turned = 0.0 if math.isinf(inertia) else springs.tangential * (1.0 + 1.0 / inertia)
+            return max(springs.normal, turned) / mass
+        return largest_eigenvalue(springs, mass, self.packing.coordination, inertia, self.dimension)
+
+
+def loaded(cases: Sequence[Case], pressure: float | None, packing: Packing, dimension: int) -> list[Loaded]:
+    """The contacts whose sizes, masses and forces are known, without those that stick."""
+    contacts = []
+    for case in cases:
+        bodies = [body for body in (case.first, case.second) if body is not None]
+        if case.force is None or any(body.radius is None or body.mass is None for body in bodies):
+            continue
+        force = case.force(case.first.tried(0), None if case.second is None else case.second.tried(0), 1.0)
+        if not isinstance(force, AdhesiveForce):
+            contacts.append(Loaded(case, force, pressure, packing, dimension))
+    return contacts
+
+
+def largest_stable_step(contacts: Sequence[Loaded]) -> float | None:
+    """Longest stable time step of a packing with these contacts; None if it is not known.
+
+    A wall whose contacts are stiffer than those of grains counts beside half of the network: its grain is held by them.
+    """
+    each = [(contact, contact.springs) for contact in contacts]
+    known = [(contact, springs) for contact, springs in each if springs is not None]
+    pairs = [(contact, springs) for contact, springs in known if contact.case.second is not None]
+    walls = [(contact, springs) for contact, springs in known if contact.case.second is None]
+    if not pairs or len(known) < len(each):
+        return None
+
+    def eigenvalue(step: float) -> float:
+        network = max(contact.eigenvalue(springs.stiffened(step)) for contact, springs in pairs)
+        beside = max((contact.eigenvalue(springs.stiffened(step)) for contact, springs in walls), default=0.0)
+        return max(network, 0.5 * network + beside)
+
+    longest = stable_step(eigenvalue)
+    return longest if math.isfinite(longest) else None
+
+
+# --- the state --------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Load:
+    """What a script, a dump or options say of the pressure on grains; in the units of the script."""
+
+    name: str  #: "rest", "pressed", "flow", "shaken" or "gas"
+    pressure: float | None = None
+    origin: str = ""  #: of the pressure, in words
+    weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
+    bound: bool = False  #: whether it is at most this
+    packing: Packing | None = None  #: as measured in a dump, or given
+    shear_rate: float | None = None
+    gravity: float | None = None
+    shaking: float | None = None  #: Γ
+    frequency: float | None = None  #: angular, of the shaking
+
+
+@dataclass(frozen=True)
+class GrainState:
+    """How grains are held together, or kept in motion; returned by :func:`hardlimit.check`. None: not known.
+
+    In SI units, or in ``lj`` units as in the script. In two dimensions pressures are forces per length.
+    """
+
+    name: str  #: "rest", "pressed", "flow", "shaken", or "gas" if nothing holds them together
+    pressure: float | None = None  #: p [Pa]; at rest under gravity at the bottom
+    pressure_from: str | None = None  #: where it comes from, in words
+    pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains
+    packing_fraction: float | None = None  #: φ that was used, measured or expected
+    coordination: float | None = None  #: contacts of a grain that were used, measured or expected
+    overlap: float | None = None  #: δ/R, mean overlap of a contact over the smaller radius
+    stiffness_number: float | None = None  #: κ_p
+    packing_excess: float | None = None  #: φ of such beds with friction over that of rigid ones, less one
+    coordination_excess: float | None = None  #: the same of the number of contacts
+    stiffness: str | None = None  #: name of the number that sets the stiffness
+    stiffness_for_rigid: float | None = None  #: its value at κ_p = 10⁴, in the unit of the script
+    stiffness_unit: str | None = None  #: this unit; empty in lj units
+    largest_stable_step: float | None = None  #: longest stable time step [s]
+    step_share: float | None = None  #: the time step over it
+    inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
+    regime: str | None = None  #: "quasi-static", "dense" or "collisional"
+    shaking: float | None = None  #: Γ = A ω²/g
+    shaking_strength: float | None = None  #: S = (A ω)²/(g d)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain values.
+
+        :meta private:
+        """
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+
+GAS: Final = GrainState("gas")
+
+
+def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dimension: int) -> GrainState:
+    """The state of grains with these contacts, in the units of their cases."""
+    moving = [case for case in cases if case.second is None or math.isfinite(case.first.mass or 1.0)]
+    diameter, density = _grain(moving, dimension)
+    if load.name == "shaken":
+        strength = None
+        if load.shaking and load.gravity and load.frequency and diameter:
+            strength = shaking_strength(load.shaking, load.gravity, load.frequency, diameter)
+        return GrainState("shaken", shaking=load.shaking, shaking_strength=strength)
+    if load.name == "gas":
+        return GAS
+    rough = any(case.friction.coefficient != 0.0 for case in moving)
+    packing = load.packing or PACKINGS[dimension, rough]
+    packing = packing._replace(stress_share=packing.stress_share if load.weight else 1.0)
+    contacts = loaded(moving, load.pressure, packing, dimension)
+    pairs = [contact for contact in contacts if contact.case.second is not None]
+    softest = min(pairs, key=lambda contact: contact.stiffness_number or 0.0, default=None)
+    longest = largest_stable_step(contacts) if len(contacts) == len(moving) else None
+    inertial = None
+    if load.shear_rate is not None and load.pressure and diameter and density:
+        inertial = inertial_number(load.shear_rate, diameter, density, load.pressure)
+    state = GrainState(
+        name=load.name,
+        pressure=load.pressure,
+        pressure_from=load.origin or None,
+        pressure_is_bound=load.bound,
+        packing_fraction=packing.packing_fraction,
+        coordination=packing.coordination,
+        largest_stable_step=longest,
+        step_share=None if longest is None or time_step is None else time_step / longest,
+        inertial_number=inertial,
+        regime=None if inertial is None else regime(inertial),
+        shaking=load.shaking,
+    )
+    if softest is None or load.pressure is None:
+        return state
+    state = _softened(state, softest)
+    kappa = state.stiffness_number or 0.0
+    if dimension == 2 or not rough or kappa < SOFTEST:
+        return state
+    return replace(state, packing_excess=DENSER / kappa, coordination_excess=MORE_CONTACTS / math.sqrt(kappa))
+
+
+def _softened(state: GrainState, contact: Loaded) -> GrainState:
+    """The state with the numbers of its softest contact."""
+    kappa, overlap, spring = contact.stiffness_number, contact.compression, contact.case.spring
+    assert kappa is not None and overlap is not None
+    rigid = None
+    if spring is not None:
+        _, value, power = spring
+        rigid = value * (RIGID / kappa) ** (0.25 * contact.force.powers.elastic / power)
+    return replace(
+        state,
+        overlap=overlap / min(contact.radii),
+        stiffness_number=kappa,
+        stiffness=None if spring is None else spring[0],
+        stiffness_for_rigid=rigid,
+    )
+
+
+def _grain(cases: Sequence[Case], dimension: int) -> tuple[float | None, float | None]:
+    """Mean diameter and density of the grains that move, the latter in two dimensions that of disks."""
+    bodies = [case.first for case in cases if case.first.radius and case.first.mass]
+    if not bodies:
+        return None, None
+    radius = math.fsum(body.radius or 0.0 for body in bodies) / len(bodies)
+    densities = [
+        (body.mass or 0.0) / (UNIT_BALL[dimension] * (body.radius or 0.0) ** dimension) for body in bodies
+    ]
+    return 2.0 * radius, math.fsum(densities) / len(densities)

@@ -1,0 +1,172 @@
+"""What presses the grains, and how strongly: options, a prescribed pressure, or the weight above."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from ..boxes.box import UNIT_BALL
+from ..boxes.system import ParticleSystem
+from ..support import validation
+from ..support.formatting import digits, length
+from . import dumps
+from .at_rest import PACKINGS, Load, Packing, weight
+from .contacts import Case
+from .drive import Support
+from .scripts import Stage
+from .supplied import SCALES
+
+#: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
+BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
+
+#: Fewest contacts of a grain in what is taken as a packing.
+LEAST: Final = 2.0
+#: Cosine of the angle up to which gravity is along an axis.
+ALONG: Final = 1.0 - 1e-9
+
+
+class LoadOptions(NamedTuple):
+    """The options of a check."""
+
+    pressure: float | None = None  #: [Pa], in two dimensions [N/m]
+    height: float | None = None  #: of a bed [m]
+
+    @property
+    def rests(self) -> bool:
+        """Whether one of them says that grains are held together."""
+        return self.pressure is not None or self.height is not None
+
+    def in_units(self, mass: float, length: float, time: float, dimension: int) -> LoadOptions:
+        """The same in units of these sizes."""
+        unit = mass / (length ** (dimension - 2) * time**2)
+        pressure = None if self.pressure is None else self.pressure / unit
+        return LoadOptions(pressure, None if self.height is None else self.height / length)
+
+
+def checked_load(pressure: object, height: object) -> LoadOptions:
+    """The options of a check."""
+    if pressure is not None and height is not None:
+        raise ValueError("pressure | height: got both, must be at most one of them")
+    return LoadOptions(
+        None if pressure is None else validation.number("pressure", pressure, 0.0),
+        None if height is None else validation.number("height", height, 0.0),
+    )
+
+
+class Around(NamedTuple):
+    """What is known of the grains, in the units of the script."""
+
+    cases: Sequence[Case]
+    dimension: int
+    units: str = "si"
+    state: dumps.State | None = None  #: of the last frame of a dump
+    bed: tuple[float, float] | None = None  #: height along gravity, and mass over area
+    lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
+    barostat: bool = False
+
+    @property
+    def packing(self) -> Packing:
+        """As measured in a dump if that is the one of a bed, else as expected."""
+        pairs = [case for case in self.cases if case.second is not None]
+        expected = PACKINGS[self.dimension, any(case.friction.coefficient != 0.0 for case in pairs)]
+        low, high = BEDS[self.dimension]
+        state = self.state
+        contacts = 0.0 if state is None or state.coordination is None else state.coordination
+        if state is None or state.packing_fraction is None or contacts < LEAST:
+            return expected
+        bulk = None if self.bed is None else expected.packing_fraction * expected.coordination
+        packing = expected._replace(coordination=contacts, bulk=bulk)
+        in_range = low <= state.packing_fraction <= high
+        return packing._replace(packing_fraction=state.packing_fraction) if in_range else packing
+
+    def length(self, value: float) -> str:
+        """A length in words."""
+        metre = SCALES[self.units][1]
+        return digits(value, 3) if self.units == "lj" else length(float(f"{value * metre:.3g}"))
+
+
+def load_of(
+    stage: Stage, support: Support, options: LoadOptions, shear_rate: float | None, around: Around
+) -> Load:
+    """What holds the grains of a run together. ``shear_rate``: an option, which comes before that of the script."""
+    pressed = (
+        bool(stage.pressed) or stage.pressure is not None or options.pressure is not None or around.barostat
+    )
+    if options.height is not None and not stage.gravity:
+        raise ValueError(f"height: got {options.height:g}, must be left out without gravity")
+    rests = support.rests or options.height is not None
+    rate, lasting = stage.shear_rate if shear_rate is None else shear_rate, around.lasting
+    if stage.gravity and support.moves and not (rests or lasting or pressed):
+        frequency = None if support.motion is None else support.motion.frequency
+        return Load("shaken", gravity=stage.gravity, shaking=support.shaking, frequency=frequency)
+    if lasting is False or not (pressed or rests or lasting):
+        return Load("gas")
+    flows = rate is not None or (support.moves and support.shaking is None)
+    name = "flow" if flows else "pressed" if pressed or not rests else "rest"
+    load = Load(name, packing=around.packing, shear_rate=rate, shaking=support.shaking)
+    return replace(load, **_pressure(stage, options, around, pressed))
+
+
+def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool) -> dict[str, Any]:
+    """The pressure, where it comes from, whether it is a weight, and whether it is an upper bound."""
+    if options.pressure is not None:
+        return {"pressure": options.pressure, "origin": "given"}
+    if pressed and options.height is None:
+        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": "as the script says"}
+    gravity = stage.gravity
+    if gravity is None:
+        return {}
+    if options.height is None and around.bed is not None:
+        top, mass = around.bed
+        return {"pressure": mass * gravity, "origin": f"below {around.length(top)} of grains", "weight": True}
+    density, phi, contents = _density(around), around.packing.packing_fraction, stage.contents
+    if options.height is None and density is not None and contents.filled and stage.floor:
+        count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
+        pressure = weight(contents.filled / stage.floor, density, gravity)
+        return {"pressure": pressure, "origin": f"below {count} on the floor of the box", "weight": True}
+    height = _height(stage) if options.height is None else options.height
+    if height is None or density is None:
+        return {}
+    bound = options.height is None
+    grains = f"{around.length(height)} of grains at φ = {digits(phi, 2)}"
+    origin = f"a box of {grains}" if bound else f"below {grains}"
+    pressure = weight(height, phi * density, gravity)
+    return {"pressure": pressure, "origin": origin, "weight": True, "bound": bound}
+
+
+def _height(stage: Stage) -> float | None:
+    """The edge of the box along gravity."""
+    axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
+    return stage.edges[axes[0]] if axes else None
+
+
+def _density(around: Around) -> float | None:
+    """The largest density of the grains that move, in two dimensions that of disks; None if one is not known."""
+    bodies = [body for case in around.cases for body in (case.first, case.second) if body is not None]
+    moving = [body for body in bodies if not body.fixed and body.mass != math.inf]
+    known = [
+        body.mass / (UNIT_BALL[around.dimension] * body.radius**around.dimension)
+        for body in moving
+        if body.mass and body.radius
+    ]
+    return max(known) if known and len(known) == len(moving) else None
+
+
+def bed_of_system(system: ParticleSystem) -> tuple[float, float] | None:
+    """Height of the grains of a system along gravity, and their mass over the area below them."""
+    axes = np.flatnonzero(system.gravity)
+    if len(axes) != 1:
+        return None
+    at, radius = system.positions[:, axes[0]], system.radius
+    area = float(np.prod(np.delete(system.box, axes[0])))
+    return float((at + radius).max() - (at - radius).min()), float(system.mass.sum()) / area
+
+
+def contacts_of_system(system: ParticleSystem) -> tuple[float, float, float]:
+    """As :func:`dumps.contacts`, between the particles of a system; those with walls are left out."""
+    periodic = np.array([side != "wall" for side in system.boundary])
+    return dumps.contacts(system.positions, system.radius, system.box, periodic)

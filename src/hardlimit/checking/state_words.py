@@ -1,0 +1,87 @@
+"""The number of grains that rest, are pressed, flow or are shaken, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..support.formatting import digits, percent, quantity
+from .answer import stiffness
+from .at_rest import COLLISIONAL, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
+from .result import Verdict
+
+#: What is known of shaken columns: studies/shaken_column.nc.
+BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
+VERBS = {"rest": "Grains rest under", "pressed": "Grains are under", "flow": "Grains flow under"}
+
+
+def sentence(state: GrainState, plain: bool, dimension: int) -> str:
+    """The sentence after the answer, in at most about 260 letters; empty for a gas. ``plain``: in ``lj`` units."""
+    if state.name == "gas":
+        return ""
+    if state.name == "shaken":
+        strength = state.shaking_strength
+        shown = "" if strength is None else f"; S = (Aω)²/(g d) = {digits(strength, 2)}"
+        return f"Grains leave a floor with Γ > 1{shown}: {BEADS}." if state.shaking else ""
+    parts = [_softness(state, plain, dimension)]
+    if state.inertial_number is not None:
+        sign = "≥ " if state.pressure_is_bound else ""
+        parts.append(f"I = γ̇ d √(ρ/p) = {sign}{digits(state.inertial_number, 2)}: {state.regime} flow")
+    elif state.name == "flow":
+        parts.append("--shear gives the inertial number")
+    if state.regime != "collisional":
+        parts.append(_step(state, plain))
+    return " ".join(f"{part}." for part in parts if part)
+
+
+def _softness(state: GrainState, plain: bool, dimension: int) -> str:
+    """Pressure, κ_p, overlap, and the stiffness at the border of rigid grains."""
+    if state.pressure is None:
+        options = "--pressure or --height" if state.name == "rest" else "--pressure"
+        return f"Give {options} to know how soft they are"
+    least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
+    unit = "N/m" if dimension == 2 else "Pa"
+    shown = f"p = {digits(state.pressure, 3)}" if plain else quantity(state.pressure, unit, 3)
+    text = f"{VERBS[state.name]} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
+    kappa = state.stiffness_number
+    if kappa is None or state.regime == "collisional":
+        return text
+    text += f": κ_p{least} {digits(kappa, 2)}, overlap {most}{percent(state.overlap or 0.0)} of R"
+    if state.stiffness is None or state.stiffness_for_rigid is None:
+        return f"{text}; rigid from κ_p = 1e4 on"
+    value = f"{digits(state.stiffness_for_rigid, 2)} {state.stiffness_unit or ''}".rstrip()
+    needed = f"{stiffness(state.stiffness)} of {most}{value}"
+    return f"{text}; {'still rigid (1e4) at' if kappa >= RIGID else 'rigid grains (1e4) take'} {needed}"
+
+
+def _step(state: GrainState, plain: bool) -> str:
+    """The longest stable step, and that of the script over it."""
+    longest = state.largest_stable_step
+    if longest is None:
+        return ""
+    limit = digits(longest, 2) if plain else quantity(longest, "s", 2)
+    if state.step_share is None:
+        return f"Steps are stable below {limit}"
+    return f"The step is {digits(state.step_share, 2)} of the longest stable one, {limit}"
+
+
+def details(verdict: Verdict) -> Iterator[str]:
+    """The numbers behind the sentence."""
+    state, plain = verdict.state, verdict.units == "lj"
+    if state.coordination is not None:
+        packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
+        yield f"Packing at rest: {packing}."
+    if state.packing_excess is not None and state.coordination_excess is not None:
+        denser, more = percent(state.packing_excess), percent(state.coordination_excess)
+        yield f"Beds of such grains are {denser} denser than those of rigid ones and have {more} more contacts."
+    rows = [row for row in verdict.rows if row.stage == max((r.stage for r in verdict.rows), default=1)]
+    usual = [row.duration / USUAL_STEP for row in rows if row.duration]
+    rayleigh = [row.rayleigh_time for row in rows if row.rayleigh_time]
+    if state.largest_stable_step is not None and usual:
+
+        def time(value: float) -> str:
+            return digits(value, 3) if plain else quantity(value, "s", 3)
+
+        beside = f", Rayleigh's time {time(min(rayleigh))}" if rayleigh else ""
+        yield f"Longest stable step at rest {time(state.largest_stable_step)}; t_c/50 is {time(min(usual))}{beside}."
+    if state.inertial_number is not None:
+        yield f"Flow: quasi-static up to I = {QUASI_STATIC:g}, collisional from {COLLISIONAL:g} on."

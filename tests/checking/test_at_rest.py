@@ -1,0 +1,433 @@
+"""Grains at rest, pressed, flowing and shaken: the number of each state."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from test_check import CLIPPED, FALL, HERTZ, LIGGGHTS, SHAKEN, WALL, YADE_BOX, script
+
+import hardlimit as hl
+from conftest import refusal
+from hardlimit.checking import at_rest
+
+BEAD = hl.Ball(1e-3, density=2500.0)
+LINEAR = hl.LinearDashpot(stiffness=1e4, restitution=0.9)
+RUBBING = hl.LinearDashpot(stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5))
+HERTZIAN = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.25, restitution=0.9, impact_speed=1.0)
+SHEARED = f"{WALL.replace('0.0 0.0', '1.0 0.5')} shear x 1"
+
+
+def state(source, **options):
+    return hl.check(source, **options).state
+
+
+def number(law, ball=BEAD, **options):
+    return state(ball, law=law, **options)
+
+
+# --- pressure and softness --------------------------------------------------------------------------------------
+
+
+def test_a_bed_of_linear_springs():
+    """p = φ ρ g h; κ_p = k/(p d); δ/R = 2π/(φ z κ_p), times the share of the horizontal stresses."""
+    bed = number(LINEAR, height=0.1)
+    packing = at_rest.PACKINGS[3, False]
+    pressure = packing.packing_fraction * 2500.0 * 9.81 * 0.1
+    assert bed.name == "rest" and bed.pressure == pytest.approx(pressure)
+    assert bed.stiffness_number == pytest.approx(1e4 / (pressure * 2e-3))
+    overlap = 2.0 * math.pi / (packing.packing_fraction * packing.coordination * bed.stiffness_number)
+    assert bed.overlap == pytest.approx(packing.stress_share * overlap)
+    assert bed.stiffness_for_rigid == pytest.approx(1e4 * 1e4 / bed.stiffness_number)
+    assert number(LINEAR, pressure=pressure).overlap == pytest.approx(overlap)
+
+
+def test_a_bed_of_hertzian_grains():
+    """κ_p = (E*/p)^(2/3), E* = E/(2(1 − ν²)); its power 2/3 is that of the modulus that is rigid."""
+    pressed = number(HERTZIAN, pressure=1e4)
+    modulus = 1e8 / (2.0 * (1.0 - 0.25**2))
+    assert pressed.stiffness_number == pytest.approx((modulus / 1e4) ** (2 / 3))
+    rigid = hl.Viscoelastic(
+        youngs_modulus=pressed.stiffness_for_rigid, poisson_ratio=0.25, restitution=0.9, impact_speed=1.0
+    )
+    assert number(rigid, pressure=1e4).stiffness_number == pytest.approx(1e4)
+    assert number(HERTZIAN).largest_stable_step is None  # no contact without pressure
+
+
+@pytest.mark.parametrize("make", [
+    lambda k: hl.LinearDashpot(stiffness=k, restitution=0.7),
+    lambda k: hl.LinearDashpot(stiffness=k, restitution=0.7, friction=hl.Friction(0.5)),
+    lambda k: hl.Tsuji(youngs_modulus=k, poisson_ratio=0.3, restitution=0.7),
+])  # fmt: skip
+def test_harder_and_less_pressed_grains_are_never_softer(make):
+    random = np.random.default_rng(1)
+    for _ in range(12):
+        ball = hl.Ball(10.0 ** random.uniform(-6, 0), density=10.0 ** random.uniform(1, 4))
+        stiffness, pressure = 10.0 ** random.uniform(0, 11), 10.0 ** random.uniform(-3, 9)
+        soft, hard = (number(make(k), ball, pressure=pressure) for k in (stiffness, 3.0 * stiffness))
+        light = number(make(stiffness), ball, pressure=0.5 * pressure)
+        assert soft.stiffness_number < min(hard.stiffness_number, light.stiffness_number)
+        assert soft.overlap > max(hard.overlap, light.overlap) > 0.0
+        assert soft.stiffness_for_rigid == pytest.approx(hard.stiffness_for_rigid)
+        assert hard.largest_stable_step < soft.largest_stable_step
+        tall = number(make(stiffness), ball, height=1.0), number(make(stiffness), ball, height=2.0)
+        assert tall[1].pressure == pytest.approx(2.0 * tall[0].pressure)
+
+
+def test_numbers_without_dimension_do_not_depend_on_units():
+    cgs = script(
+        CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "981"), WALL.replace("1e5", "1e8"),
+        units="cgs", grains="set type 1 diameter 0.2 density 2.5",
+    )  # fmt: skip
+    micro = script(
+        CLIPPED.replace("1e5", "1e8"), FALL.replace("9.81", "9.81e-6"), WALL.replace("1e5", "1e8"),
+        units="micro", grains="set type 1 diameter 2e3 density 2.5",
+    ).replace("block 0 1 0 1 0 1", "block 0 1e6 0 1e6 0 1e6").replace("timestep 1e-7", "timestep 0.1")  # fmt: skip
+    for options in ({"height": 0.1}, {"pressure": 200.0}):
+        beds = [state(text, **options) for text in (script(CLIPPED, FALL, WALL), cgs, micro)]
+        for name in ("pressure", "overlap", "stiffness_number", "largest_stable_step", "step_share"):
+            values = [getattr(bed, name) for bed in beds]
+            assert values == pytest.approx([values[0]] * 3), name
+        assert [bed.stiffness_unit for bed in beds] == ["N/m", "dyn/cm", "nN/µm"]
+        assert beds[1].stiffness_for_rigid == pytest.approx(1e3 * beds[0].stiffness_for_rigid)
+
+
+def test_lj_units_have_no_names():
+    lj = script(CLIPPED, FALL, WALL, units="lj", grains="set type 1 diameter 1 density 1")
+    verdict = hl.check(lj, height=10.0)
+    assert verdict.state.pressure == pytest.approx(0.63 * 98.1)
+    assert "Grains rest under p = 61.8 (below 10 of grains" in verdict.sentence
+    assert not re.search(r"\d (k?Pa|N/m|c?m|[mµn]?s)\b", verdict.sentence.partition("Grains rest")[2])
+    assert hl.check(lj, pressure=5.0).state.pressure == 5.0
+
+
+def test_disks_carry_forces_per_length():
+    """p = φ m/(π R²) g h in N/m, κ_p = k/p, δ/R = 2π/(φ z κ_p) times the share."""
+    disk = hl.Ball(1e-3, mass=1e-5)
+    verdict = hl.check(disk, law=LINEAR, height=0.1, dimension=2)
+    bed, packing = verdict.state, at_rest.PACKINGS[2, False]
+    pressure = packing.packing_fraction * 1e-5 / (math.pi * 1e-6) * 9.81 * 0.1
+    assert bed.pressure == pytest.approx(pressure) and " N/m (below 10 cm" in verdict.sentence
+    assert bed.stiffness_number == pytest.approx(1e4 / pressure)
+    overlap = packing.stress_share * 2.0 * math.pi / (packing.packing_fraction * packing.coordination)
+    assert bed.overlap == pytest.approx(overlap / bed.stiffness_number)
+    flat = script(CLIPPED, "dimension 2", FALL.replace("0 0 -1", "0 -1 0"), WALL.replace("zplane", "yplane"))
+    plane = state(flat.replace("boundary", "dimension 2\nboundary"), height=0.1)
+    assert plane.pressure == pytest.approx(0.83 * BEAD.mass / (math.pi * 1e-6) * 0.981)
+
+
+def test_a_servo_of_liggghts_presses_its_floor():
+    servo = "fix m all mesh/surface/stress/servo file a.stl type 1 com 0 0 0 ctrlPV force axis 0 0 1 target_val -9\n"
+    walls = "fix w all wall/gran model hertz mesh n_meshes 1 meshes m\nrun 1000"
+    pressed = state(LIGGGHTS.replace("run 1000", servo + walls))
+    assert pressed.name == "pressed" and pressed.pressure == pytest.approx(9.0)  # over 1 m²
+
+
+def test_the_weakest_of_two_sizes_decides():
+    sizes = hl.check(script(
+        CLIPPED.replace("* *", "* *"), FALL, WALL,
+        grains="set type 1 diameter 1e-3 density 2500\nset atom 1 diameter 4e-3",
+    ), pressure=100.0).state  # fmt: skip
+    assert sizes.stiffness_number == pytest.approx(1e5 / (100.0 * 4e-3))
+
+
+# --- where the pressure comes from ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "pressure"),
+    [
+        ("fix d all press/berendsen iso 1 1e3 1", 1e3),
+        ("fix d all nph/sphere x 1 1e3 1 y 1 2e3 1", 1.5e3),
+        ("fix d all deform/pressure 1 x pressure 10 1", 10.0),
+        ("variable p equal 2*50\nfix d all press/berendsen iso 1 ${p} 1", 100.0),
+        ("fix d all press/berendsen iso 1 v_p 1", None),
+        ("fix d all deform 1 x erate -1", None),
+    ],
+)
+def test_pressures_that_a_script_prescribes(line, pressure):
+    verdict = hl.check(script(CLIPPED, line))
+    assert verdict.state.name == "pressed" and verdict.state.pressure == pressure
+    assert ("Give --pressure" in verdict.sentence) is (pressure is None)
+    assert hl.check(script(CLIPPED, line), pressure=7.0).state.pressure == 7.0
+
+
+@pytest.mark.parametrize(
+    ("engine", "pressure"),
+    [
+        ("PeriTriaxController(goal=(-1e5, -1e5, -1e5), stressMask=7),", 1e5),
+        ("PeriTriaxController(goal=(-1e5, -2e5, -.1), stressMask=3),", 1.5e5),
+        ("PeriTriaxController(goal=(-.1, -.1, -.1), stressMask=0),", None),
+        ("TriaxialStressController(goal1=-1e4, goal2=-2e4, goal3=-3e4),", 2e4),
+        ("TriaxialStressController(goal1=-1e4),", None),
+        ("TriaxialStressController(goal1=-1e4, goal2=-1e4, stressMask=3),", 1e4),
+        ("PeriIsoCompressor(stresses=[-1e3, -1e4]),", 1e4),
+        ("UniaxialStrainer(strainRate=-.1),", None),
+    ],
+)
+def test_pressures_of_yade(engine, pressure):
+    pressed = state(YADE_BOX.format(engine=engine, more="", g=0))
+    assert pressed.name == "pressed" and pressed.pressure == pressure
+
+
+def test_the_number_of_grains_gives_the_weight():
+    """N m g/A on a floor with periodic sides; between walls, which may leave less, the full box is a bound."""
+    bed = script(CLIPPED, FALL, WALL).replace("random 100", "random 1000000")
+    assert state(bed).pressure == pytest.approx(1e6 * BEAD.mass * 9.81)
+    assert "103 Pa (below 1000000 grains" in hl.check(bed).sentence and not state(bed).pressure_is_bound
+    walled = hl.check(bed.replace("boundary p p p", "boundary f f f"))
+    assert walled.state.pressure_is_bound and walled.state.pressure == pytest.approx(0.63 * 2500 * 9.81)
+    assert "at most 15.5 kPa (a box of 1 m of grains at φ = 0.63): κ_p ≥ 3.2e3" in walled.sentence
+    assert not state(bed, height=1.0).pressure_is_bound
+
+
+def test_a_dump_has_the_weight(tmp_path):
+    """Four layers of four touching grains in a periodic box: N m g/A, and their contacts."""
+    path = tmp_path / "dump.bed"
+    sites = [(x, y, z) for z in range(4) for x in range(2) for y in range(2)]
+    rows = "".join(
+        f"{k} 1 {2e-3 * x + 1e-3} {2e-3 * y + 1e-3} {1.999e-3 * z + 1e-3} 1e-3\n"
+        for k, (x, y, z) in enumerate(sites, 1)
+    )
+    path.write_text(
+        f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(sites)}\nITEM: BOX BOUNDS pp pp ff\n0 4e-3\n0 4e-3\n0 1\n"
+        f"ITEM: ATOMS id type x y z radius\n{rows}"
+    )
+    bed = state(script(CLIPPED, FALL, WALL), dump=path)
+    assert bed.pressure == pytest.approx(16 * BEAD.mass * 9.81 / 16e-6, rel=1e-3)
+    assert bed.coordination == at_rest.PACKINGS[3, False].coordination and not bed.pressure_is_bound
+    wide = tmp_path / "dump.two"
+    wide.write_text(path.read_text().replace(" 1 ", " 2 ", 1))  # the first grain is of the floor
+    frozen = script(CLIPPED, FALL, WALL, "group floor type 2\nfix hold floor freeze").replace(
+        "create_box 1 box", "create_box 2 box"
+    )
+    held_up = state(
+        frozen.replace("random 100 7 box", "random 100 7 box\ncreate_atoms 2 random 1 3 box").replace(
+            "set type 1 ", "set type 1*2 "
+        ),
+        dump=wide,
+    )
+    assert held_up.pressure == pytest.approx(15 * BEAD.mass * 9.81 / 16e-6, rel=1e-3)
+
+
+def test_a_system_has_the_weight():
+    box = hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3, boundary="wall", gravity=9.81)
+    area = float(np.prod(box.box[:2]))
+    bed = state(box, law=LINEAR)
+    assert bed.name == "rest" and bed.pressure == pytest.approx(50 * BEAD.mass * 9.81 / area)
+    assert state(box, law=LINEAR, height=0.3).pressure == pytest.approx(0.63 * 2500 * 9.81 * 0.3)
+    free = hl.ParticleSystem.random(50, 0.05, 1e-3, 2500.0, 0.3)
+    assert state(free, law=LINEAR) == at_rest.GAS
+
+
+def test_bad_options():
+    for name in ("pressure", "height"):
+        for value in (0.0, -1.0, math.nan, math.inf, "x"):
+            assert refusal(lambda n=name, v=value: hl.check(BEAD, law=LINEAR, **{n: v})).startswith(
+                f"{name}: got"
+            )
+    assert "at most one" in refusal(lambda: hl.check(BEAD, law=LINEAR, pressure=1.0, height=1.0))
+    assert "without gravity" in refusal(lambda: hl.check(script(CLIPPED), height=0.1))
+
+
+# --- the time step ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("ratio", "measured"), [(0.0, 2.39), (2 / 7, 2.66), (0.5, 3.43), (1.0, 4.83)])
+def test_the_highest_frequency_of_settled_beds(ratio, measured):
+    """ω √(m/k) of the contact networks of beds with z = 4.7, without dashpots."""
+    springs = at_rest.Springs(1.0, ratio)
+    assert math.sqrt(at_rest.largest_eigenvalue(springs, 1.0, 4.7, 0.4, 3)) == pytest.approx(
+        measured, rel=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("springs", "step"),
+    [  # the longest stable step of the networks of three settled beds in LAMMPS; m = 1.0472e-5, z = 4.6 and 4.8
+        ((6e3, 2 / 7 * 6e3, 7.652e-2, 7.652e-2), 1.064e-5),
+        ((6e3, 6e3, 1.1888e-2, 1.1888e-2), 1.532e-5),
+        ((6e3, 2 / 7 * 6e3), 3.172e-5),
+        ((6e3, 6e3), 1.719e-5),
+    ],
+)
+def test_the_longest_stable_step_with_dashpots(springs, step):
+    """LAMMPS' spins grow at 1.1 times this step and not at 0.9 times."""
+    springs, z = at_rest.Springs(*springs), 4.6 if springs[1] < springs[0] else 4.8
+
+    def eigenvalue(h):
+        return at_rest.largest_eigenvalue(springs.stiffened(h), 1.0472e-5, z, 0.4, 3)
+
+    assert at_rest.stable_step(eigenvalue) == pytest.approx(step, rel=0.03)
+
+
+def test_one_oscillator():
+    """h ω = 2 (√(1 + ζ²) − ζ), from no damping to dashpots alone."""
+    for zeta in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
+        springs = at_rest.Springs(4.0, 0.0, 2.0 * zeta * 2.0)
+        step = at_rest.stable_step(lambda h, s=springs: s.stiffened(h).normal)
+        assert 2.0 * step == pytest.approx(2.0 / (math.hypot(1.0, zeta) + zeta), rel=1e-6)
+    assert at_rest.stable_step(lambda h: 8.0 / h) == 0.5 and at_rest.stable_step(lambda h: 0.0) == math.inf
+
+
+def test_friction_damping_and_stiff_walls_shorten_the_step():
+    free, rubbing = number(LINEAR, height=0.1), number(RUBBING, height=0.1)
+    stiff = hl.LinearDashpot(stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=1.0))
+    damped = hl.LinearDashpot(stiffness=1e4, restitution=0.3, friction=hl.Friction(0.5, stiffness_ratio=1.0))
+    steps = [number(law, height=0.1).largest_stable_step for law in (stiff, damped)]
+    assert free.largest_stable_step > rubbing.largest_stable_step > steps[0] > steps[1]
+    soft, hard = (state(script(CLIPPED, FALL, WALL.replace("1e5", k)), height=0.1) for k in ("1e5", "1e7"))
+    assert hard.largest_stable_step < 0.3 * soft.largest_stable_step
+    assert hl.check(BEAD, law=LINEAR, height=0.1, time_step=2e-5).state.step_share == pytest.approx(
+        2e-5 / free.largest_stable_step
+    )
+
+
+# --- flow and shaking -------------------------------------------------------------------------------------------
+
+
+def test_the_inertial_number_decides_on_the_regime():
+    """I = γ̇ d √(ρ/p); a collisional flow under gravity cannot be said, the others are no."""
+    bed, box = script(CLIPPED, FALL, WALL), {"height": 0.1, "packing_fraction": 0.3}
+    for rate, regime, admissible in (
+        (0.1, "quasi-static", False),
+        (10.0, "dense", False),
+        (1e3, "collisional", None),
+    ):
+        verdict = hl.check(bed, shear_rate=rate, **box)
+        flow = verdict.state
+        assert flow.inertial_number == pytest.approx(rate * 2e-3 * math.sqrt(2500.0 / flow.pressure))
+        assert (
+            flow.regime == regime
+            and verdict.admissible is admissible
+            and f"{regime} flow" in verdict.sentence
+        )
+        ball = hl.check(BEAD, law=hl.LinearDashpot(stiffness=1e8, restitution=0.9), shear_rate=rate, **box)
+        assert ball.state.regime == regime and ball.admissible is admissible
+    assert (
+        at_rest.regime(at_rest.QUASI_STATIC) == "dense"
+        and at_rest.regime(at_rest.COLLISIONAL) == "collisional"
+    )
+
+
+def test_pressed_boxes_are_never_yes():
+    """Whatever the shear rate, if the script prescribes the pressure or a bed is pressed by an option."""
+    options = {"packing_fraction": 0.3, "shear_rate": 1e3}
+    for line in (
+        "fix d all press/berendsen iso 1 1e3 1",
+        "fix d all deform 1 x erate -1",
+        "fix d all nph/sphere iso 1 1 1",
+    ):
+        for more in ({}, {"pressure": 1e-3}, {"pressure": 1e6}):
+            assert hl.check(script(CLIPPED, line), **options, **more).admissible is False
+    stiff = hl.LinearDashpot(stiffness=1e9, restitution=0.95)
+    options = {"law": stiff, "packing_fraction": 0.3, "speed": 1e-3}
+    assert hl.check(BEAD, **options).admissible is True
+    for more in ({"pressure": 1e-6}, {"pressure": 1e6}, {"height": 1e-3}):
+        assert hl.check(BEAD, **options, **more).admissible is False
+
+
+def test_a_belt_flows():
+    flow = hl.check(script(CLIPPED, FALL, SHEARED), height=0.1)
+    assert flow.state.name == "flow" and flow.state.inertial_number is None and flow.admissible is False
+    assert state(script(CLIPPED, FALL, SHEARED), height=0.1, shear_rate=5.0).regime == "dense"
+
+
+@pytest.mark.parametrize("kind", SHAKEN)
+def test_shaken_boxes_have_a_strength(kind):
+    """S = (A ω)²/(g d) above Γ = 1; at rest below."""
+    verdict = hl.check(SHAKEN[kind]("z", 1e-3, 0.02))
+    diameter = 4e-3 if kind == "yade" else 2e-3
+    if kind == "mesh":
+        diameter = 2.0 * verdict.rows[0].radius
+    assert verdict.state.name == "shaken" and verdict.admissible is None
+    strength = (1e-3 * 2.0 * math.pi / 0.02) ** 2 / (9.81 * diameter)
+    assert verdict.state.shaking_strength == pytest.approx(strength)
+    assert f"S = (Aω)²/(g d) = {strength:.2g}" in verdict.sentence
+    weak = hl.check(SHAKEN[kind]("z", 1e-5, 0.02))
+    assert weak.state.name == "rest" and weak.state.shaking < 1.0
+
+
+# --- sentences --------------------------------------------------------------------------------------------------
+
+
+def test_the_sentence_is_short_for_all_settings():
+    random = np.random.default_rng(3)
+    for _ in range(8):
+        law = random.choice([LINEAR, RUBBING, HERTZIAN])
+        ball = hl.Ball(10.0 ** random.uniform(-7, 1), density=10.0 ** random.uniform(0, 5))
+        options = {"height": 10.0 ** random.uniform(-6, 6)} if random.random() < 0.5 else {}
+        options = options or {"pressure": 10.0 ** random.uniform(-12, 12)}
+        if random.random() < 0.5:
+            options["time_step"] = 10.0 ** random.uniform(-12, 1)
+        if random.random() < 0.5:
+            options |= {"shear_rate": 10.0 ** random.uniform(-6, 6), "packing_fraction": 0.3}
+        verdict = hl.check(ball, law=law, **options)
+        at = verdict.sentence.index("Grains ")
+        assert (
+            len(verdict.sentence[at:]) <= 3 * 88
+            and "nan" not in verdict.sentence
+            and "inf" not in verdict.sentence
+        )
+        plain = verdict.to_dict()["state"]
+        assert all(
+            value is None or isinstance(value, str | bool) or math.isfinite(value) for value in plain.values()
+        )
+
+
+def test_nothing_is_said_of_a_gas():
+    verdict = hl.check(script(CLIPPED), speed=0.1, packing_fraction=0.1)
+    assert verdict.state == at_rest.GAS and "Grains" not in verdict.sentence
+    assert hl.check(script(HERTZ, FALL)).state == at_rest.GAS  # they fall for ever
+
+
+def settled(law):
+    """A bed of 300 spheres in a box of six by six diameters, by our own steps."""
+    sites = np.stack(np.meshgrid(*[np.arange(k) for k in (5, 5, 12)], indexing="ij"), axis=-1).reshape(-1, 3)
+    jitter = np.random.default_rng(1).uniform(-1.5e-4, 1.5e-4, sites.shape)
+    loose = hl.ParticleSystem(
+        2.4e-3 * sites + 1.2e-3 + jitter, np.zeros(sites.shape), 1e-3, density=2500.0, box=[12e-3, 12e-3, 32e-3],
+        boundary=("periodic", "periodic", "wall"), gravity=9.81,
+    )  # fmt: skip
+    return hl.molecular_dynamics(loose, law=law, until=0.2, engine="steps", time_step=6e-6).system
+
+
+@pytest.mark.slow
+def test_the_overlap_in_a_settled_bed():
+    """Mean force between two heights against that under the stress there, and under the weight above."""
+    law = hl.LinearDashpot(stiffness=2e3, restitution=0.3, friction=hl.Friction(0.5))
+    bed = settled(law)
+    at, edges = bed.positions, bed.box[:2]
+    inside = np.column_stack([np.mod(at[:, :2], edges), at[:, 2]])
+    i, j = cKDTree(inside, boxsize=[*edges, 0.0]).query_pairs(2e-3, output_type="ndarray").T
+    apart = at[i] - at[j]
+    apart[:, :2] -= edges * np.round(apart[:, :2] / edges)
+    overlap, height = 2e-3 - np.linalg.norm(apart, axis=1), 0.5 * (at[i, 2] + at[j, 2])
+    low, high = 3e-3, 12e-3
+    among, between = (height > low) & (height < high), (at[:, 2] > low) & (at[:, 2] < high)
+    volume, force = float(np.prod(edges)) * (high - low), 2e3 * overlap[among]
+    stress = float((force * (2e-3 - overlap[among])).sum()) / (3.0 * volume)
+    assert hl.check(bed, law=law).state.coordination == pytest.approx(2.0 * len(i) / bed.n)
+    packing = at_rest.Packing(between.sum() * BEAD.mass / 2500.0 / volume, 2.0 * among.sum() / between.sum())
+    assert at_rest.mean_force(stress, 2e-3, packing, 3) == pytest.approx(force.mean(), rel=1e-3)
+    # From the weight above alone; the share of the horizontal stresses scatters in so small a bed.
+    above = (at[:, 2] > high).sum() + 0.5 * between.sum()
+    weight = above * BEAD.mass * 9.81 / float(np.prod(edges))
+    expected = at_rest.PACKINGS[3, True]
+    assert at_rest.mean_force(expected.stress_share * weight, 2e-3, expected, 3) == pytest.approx(
+        force.mean(), rel=0.2
+    )
+
+
+def test_a_step_too_long_for_a_packing_is_corrected():
+    """Half of the longest stable one; a shorter step stays, whatever its error of ε."""
+    bed = script(CLIPPED, FALL, WALL)
+    long = hl.check(bed.replace("timestep 1e-7", "timestep 1e-5"), height=0.1)
+    assert long.state.step_share > 1.0
+    assert long.corrected == ("timestep 3.914e-06  # 0.5 of the longest stable one at 6 contacts per grain",)
+    assert hl.check(bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1).corrected == ()
+    flow = hl.check(
+        bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1, shear_rate=1e3, packing_fraction=0.3
+    )
+    assert flow.state.regime == "collisional" and flow.corrected and "stable" not in flow.corrected[0]
