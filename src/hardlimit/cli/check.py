@@ -510,11 +510,11 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    at_rest = verdict.state.name in ("rest", "pressed", "flow")
-    missing = [what for what in verdict.missing if not (at_rest and what in ("speeds", "packing"))]
-    said = listed(missing) if missing else ""
-    if said and said not in verdict.sentence:
-        parts.append(f"Not known: {said}{given_by(missing, bool(verdict.states))}.")
+    at_rest = {"speeds", "packing"} if verdict.state.name in ("rest", "pressed", "flow") else set()
+    estimated = {"speeds"} if any(number.what == "speed" for number in verdict.inferred) else set()
+    missing = [what for what in verdict.missing if what not in at_rest | estimated]
+    if missing and not any(listed(words) in verdict.sentence for words in (missing, verdict.missing)):
+        parts.append(f"Not known: {listed(missing)}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))
 
 
