@@ -268,12 +268,20 @@ def test_both_sides_of_a_comparison_rub(tmp_path: Path) -> None:
     assert np.array_equal(loaded.start.angular_velocities, loaded.start.replace().angular_velocities)
 
 
-def test_no_law_of_the_error_for_grains_that_rub() -> None:
-    output = compared(*SPRING, "--friction", 0.5, "--models", "constant")
-    assert output["summary"].endswith("The law of the error is not known with friction.")
-    assert output["predicted_cooling"]["constant"]["reason"] == "it is not known with friction"
+def test_the_law_of_the_error_predicts_grains_that_rub() -> None:
+    """From the spins of the start; not for grains that rub much more than measured ones, and not for other rules."""
+    output = compared(*SPRING, "--friction", 0.5, "--models", "constant", "--models", "law")
+    assert "The law of the error predicts " in output["summary"]
+    predicted = output["predicted_cooling"]
+    assert all(
+        predicted[rule]["reason"] == "" and predicted[rule]["error"] > 0.0 for rule in ("constant", "law")
+    )
+    assert predicted["constant"]["value"] > predicted["law"]["value"]
+    far = compared(*SPRING, "--friction", 5, "--models", "law")
+    assert far["summary"].endswith("The law of the error is not known with this friction.")
+    assert "got μ = 5, must be in [0, 2]" in far["predicted_cooling"]["law"]["reason"]
     smooth = compared(*SPRING, "--models", "constant")
-    assert "not known with friction" not in smooth["summary"] and "tangential_restitution" not in smooth
+    assert "not known with" not in smooth["summary"] and "tangential_restitution" not in smooth
 
 
 def test_a_law_without_a_coefficient_of_friction_is_smooth() -> None:
