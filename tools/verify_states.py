@@ -49,6 +49,8 @@ class Script(NamedTuple):
 
 SETTLED: Final = (
     Script("lammps_settled_bed", 1e-5, sides=(0.012, 0.012)),
+    Script("lammps_settled_hertz", 1e-5, 2 / 3, (0.018, 0.018)),
+    Script("lammps_hopper_loop", 4e-6),
     Script("liggghts_settled_bed", 2e-5, 2 / 3, (0.012, 0.012)),
     Script("yade_triaxial", 1e-7),
 )
@@ -90,7 +92,8 @@ class Lammps:
 
     def __init__(self, script: Script, folder: Path) -> None:
         self.script, self.folder = script, folder
-        self.text = re.sub(r"&\s*\n", " ", (SCRIPTS / script.name).read_text(encoding="utf-8"))
+        text = (SCRIPTS / script.name).read_text(encoding="utf-8").partition("\nunfix lid")[0]
+        self.text = re.sub(r"&\s*\n", " ", text)
         for path in SCRIPTS.glob("*.inc"):
             shutil.copy(path, folder)
 
