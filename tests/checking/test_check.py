@@ -810,7 +810,6 @@ CONTACT = {
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
     "other_versions": list, "smooth_error": MAYBE,
     "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": dict, "frictionless_error": MAYBE,
-    "smooth_error": MAYBE,
 }  # fmt: skip
 FRICTION = {
     "coefficient": MAYBE, "model": str | None, "stiffness_ratio": MAYBE, "damping_ratio": MAYBE, "limit": str | None,
