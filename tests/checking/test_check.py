@@ -808,7 +808,7 @@ CONTACT = {
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
-    "other_versions": list, "smooth_error": MAYBE,
+    "other_versions": list, "smooth_error": MAYBE, "extrapolated": str,
     "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": dict, "frictionless_error": MAYBE,
 }  # fmt: skip
 FRICTION = {

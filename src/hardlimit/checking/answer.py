@@ -170,7 +170,10 @@ def _with_friction(known: Sequence[CheckedContact]) -> str:
         constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
     way = WAYS["cooling"][value < 0.0]
     without = f"without, it cools about {percent(abs(value))} {way}"
-    return f" Event-driven must have the same friction (rule law{constant}); {without}."
+    beyond = next(
+        (f" Less is known of these grains: {row.extrapolated}." for row in known if row.extrapolated), ""
+    )
+    return f" Event-driven must have the same friction (rule law{constant}); {without}.{beyond}"
 
 
 def _not_known(missing: Sequence[str], question: Question) -> str:

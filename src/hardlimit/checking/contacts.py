@@ -19,7 +19,7 @@ from ..boxes.time_step import DEFAULT_ERROR
 from ..contact import frictional_contact
 from ..convert.force import AdhesiveForce, Collision, Force
 from . import friction
-from .expectation import ACCEPTED, Expected, expected, expected_rubbing, rubbing, smooth_error
+from .expectation import ACCEPTED, Expected, expected, expected_rubbing, extrapolated, rubbing, smooth_error
 from .friction import SMOOTH, SMOOTH_LAW, SPHERE, CheckedFriction, FrictionLaw
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
@@ -162,6 +162,7 @@ class CheckedContact:
     friction: CheckedFriction = SMOOTH  #: that of the event-driven grains, too
     frictionless_error: float | None = None  #: of the quantity asked for, of grains without friction
     smooth_error: float | None = None  #: of event-driven cooling without the friction, in theory
+    extrapolated: str = ""  #: how the friction is outside what was measured for the error, in words
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
     other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
@@ -402,7 +403,8 @@ def _with_friction(
     largest = _largest_tc_nu(lambda x: error("law", x))
     exponent = 0.25 * force.powers.elastic + 1.0
     softening = None if largest is None else (tc_nu / largest) ** exponent
-    return numbers | {"rule": "law", "smooth_error": smooth_error(*state), "softening": softening}
+    known = {"smooth_error": smooth_error(*state), "extrapolated": extrapolated(*state)}
+    return numbers | known | {"rule": "law", "softening": softening}
 
 
 def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:

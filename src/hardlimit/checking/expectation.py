@@ -120,6 +120,14 @@ def smooth_error(
     return sum(law.smooth_error for law in laws) / len(laws) if laws else None
 
 
+def extrapolated(
+    dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing
+) -> str:
+    """How the grains are outside what was measured, in words; empty if they are inside or nothing is known."""
+    laws = _rubbing_laws("law", dimension, packing_fraction, float(f"{restitution:.6g}"), powers, grains)
+    return laws[0].extrapolated if laws else ""
+
+
 @cache
 def _rubbing_laws(
     rule: str, dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing

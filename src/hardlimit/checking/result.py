@@ -253,6 +253,7 @@ def _contact(row: CheckedContact) -> dict[str, Any]:
         **plain,
         "friction": row.friction.to_dict(),
         "rule": row.rule,
+        "extrapolated": row.extrapolated,
         "other_versions": [version._asdict() for version in row.other_versions],
         "error": {rule: list(pair) for rule, pair in row.error.items()},
     }
