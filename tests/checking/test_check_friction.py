@@ -95,9 +95,9 @@ def unsized_of(script: str) -> str:
 
 
 def test_systems_of_both_dimensions() -> None:
-    """The rule in a gas is that of the dimension."""
+    """The rule in a gas is that of the dimension, of solid spheres and disks."""
     law = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
-    for dimension, beta in ((3, 0.327), (2, 0.289)):
+    for dimension, beta in ((3, 0.327), (2, 0.403)):
         system = hl.ParticleSystem.random(
             n=20, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1, dimension=dimension
         )
@@ -107,6 +107,31 @@ def test_systems_of_both_dimensions() -> None:
             and "the same friction (rule law or constant with μ" in verdict.sentence
         )
         assert verdict.rows[0].friction.effective_tangential_restitution == pytest.approx(beta, abs=1e-3)
+
+
+def test_systems_have_the_spins_of_their_grains() -> None:
+    """Each q of grains of one size, and of the smallest and the largest."""
+    law = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
+
+    def system(**grains) -> hl.ParticleSystem:
+        places = [[x, 0.01, 0.01] for x in (0.01, 0.02, 0.03)]
+        grains = {"radius": 1e-3, "density": 2500.0, "box": 0.04} | grains
+        return hl.ParticleSystem(places, np.zeros((3, 3)), **grains)
+
+    def betas(**grains) -> list[float]:
+        rows = hl.check(system(**grains), law=law, speed=0.1).rows
+        return [row.friction.effective_tangential_restitution for row in rows]
+
+    def beta(first: float, second: float) -> float:
+        balls = [hl.Ball(1e-3, density=2500.0, inertia_factor=q) for q in (first, second)]
+        return law.between(*balls).effective_tangential_restitution(0.1)
+
+    assert betas() == pytest.approx([beta(0.4, 0.4)])
+    assert betas(inertia_factor=0.6) == pytest.approx([beta(0.6, 0.6)])
+    mixed = [beta(0.3, 0.3), beta(0.3, 0.6), beta(0.6, 0.6)]
+    assert betas(inertia_factor=[0.4, 0.6, 0.3]) == pytest.approx(mixed)
+    ends = cases.sizes(system(radius=[1.5e-3, 1e-3, 2e-3]))
+    assert [ball.radius for ball in ends] == [1e-3, 2e-3]
 
 
 def test_what_is_not_known_is_left_out() -> None:
