@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from command_line import run
+from command_line import printed, refused, run
 from conftest import draws, log_floats
 from hardlimit.boxes.lammps import integration_error, program
 from hardlimit.checking import cases, friction
@@ -95,9 +95,9 @@ def unsized_of(script: str) -> str:
 
 
 def test_systems_of_both_dimensions() -> None:
-    """The rule in a gas is that of the dimension."""
+    """The rule in a gas is that of the dimension, of solid spheres and disks."""
     law = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
-    for dimension, beta in ((3, 0.327), (2, 0.289)):
+    for dimension, beta in ((3, 0.327), (2, 0.403)):
         system = hl.ParticleSystem.random(
             n=20, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1, dimension=dimension
         )
@@ -107,6 +107,31 @@ def test_systems_of_both_dimensions() -> None:
             and "the same friction (rule law or constant with μ" in verdict.sentence
         )
         assert verdict.rows[0].friction.effective_tangential_restitution == pytest.approx(beta, abs=1e-3)
+
+
+def test_systems_have_the_spins_of_their_grains() -> None:
+    """Each q of grains of one size, and of the smallest and the largest."""
+    law = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
+
+    def system(**grains) -> hl.ParticleSystem:
+        places = [[x, 0.01, 0.01] for x in (0.01, 0.02, 0.03)]
+        grains = {"radius": 1e-3, "density": 2500.0, "box": 0.04} | grains
+        return hl.ParticleSystem(places, np.zeros((3, 3)), **grains)
+
+    def betas(**grains) -> list[float]:
+        rows = hl.check(system(**grains), law=law, speed=0.1).rows
+        return [row.friction.effective_tangential_restitution for row in rows]
+
+    def beta(first: float, second: float) -> float:
+        balls = [hl.Ball(1e-3, density=2500.0, inertia_factor=q) for q in (first, second)]
+        return law.between(*balls).effective_tangential_restitution(0.1)
+
+    assert betas() == pytest.approx([beta(0.4, 0.4)])
+    assert betas(inertia_factor=0.6) == pytest.approx([beta(0.6, 0.6)])
+    mixed = [beta(0.3, 0.3), beta(0.3, 0.6), beta(0.6, 0.6)]
+    assert betas(inertia_factor=[0.4, 0.6, 0.3]) == pytest.approx(mixed)
+    ends = cases.sizes(system(radius=[1.5e-3, 1e-3, 2e-3]))
+    assert [ball.radius for ball in ends] == [1e-3, 2e-3]
 
 
 def test_what_is_not_known_is_left_out() -> None:
@@ -163,6 +188,136 @@ def test_report(width: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert "12–18 steps" in text and text.count("Warning: without limit_damping") == 1
     assert text.index("μ 0.5") < text.index("Warning") < text.index("Cannot be said")
     assert "Ignored" not in text and "Checked: normal contact, friction, time step, walls" in text
+
+
+# --- from numbers on the command line -----------------------------------------------------------------------
+
+GRAINS = ["--radius", "1mm", "--density", 2500]
+SPRING = ["--stiffness", 1e4, "--restitution", 0.9]
+#: The law of numbers and the words of LAMMPS for it: a stiffness or a modulus, ε, k_t or Poisson's ratio, γ_t/γ_n, μ.
+SAME_FORCES = {
+    "linear": (
+        "hooke {0} {1} damping coeff_restitution tangential linear_history {2} {3} {4} limit_damping",
+        ["--stiffness", "--tangential-stiffness"],
+    ),
+    "tsuji": (
+        "hertz/material {0} {1} {2} damping coeff_restitution tangential mindlin_rescale NULL {3} {4} "
+        "limit_damping",
+        ["--youngs-modulus", "--poisson-ratio"],
+    ),
+}
+#: What the names of a script differ in.
+NAMED = ("model", "wall", "restitution_asked", "other_versions")
+
+
+def close(own, script, where: str = "") -> None:
+    """The same numbers in the mappings of two verdicts."""
+    if isinstance(own, dict):
+        for name in own.keys() - NAMED:
+            close(own[name], script[name], f"{where}.{name}")
+    elif isinstance(own, list):
+        assert len(own) == len(script), where
+        for k, pair in enumerate(zip(own, script, strict=True)):
+            close(*pair, f"{where}[{k}]")
+    else:
+        assert own == (pytest.approx(script, rel=1e-6, abs=1e-9) if isinstance(own, float) else script), where
+
+
+def compare_with_script(law: str, numbers: list[float], **conditions: float) -> dict:
+    """The verdict of numbers on the command line, which is that of LAMMPS' script with them."""
+    line, options = SAME_FORCES[law]
+    line = line.format(*numbers)
+    text = LAMMPS.format(line).replace("run 1", f"fix w all wall/gran granular {line} zplane 0 1\nrun 1")
+    script = hl.check(text, code="lammps", **conditions)
+    values = [f"--law={law}", f"--restitution={script.rows[0].restitution!r}"]
+    values += [f"{name}={value!r}" for name, value in zip(options, (numbers[0], numbers[2]), strict=True)]
+    values += [f"--damping-ratio={numbers[3]!r}", f"--friction={numbers[4]!r}", "--time-step=1us"]
+    values += [f"--{name.replace('_', '-')}={value!r}" for name, value in conditions.items()]
+    own = printed("check", *GRAINS, *values)
+    assert [row["types"] for row in own["contacts"]] == [[1, 1], [1, "wall"]]
+    for name in ("contacts", "state"):
+        close(own[name], script.to_dict()[name], name)
+    assert own["admissible"] == script.admissible
+    return own
+
+
+@draws(15)
+@given(
+    st.sampled_from(list(SAME_FORCES)),
+    log_floats(1e3, 1e6),
+    st.floats(0.5, 0.99),
+    st.floats(0.05, 0.45),
+    st.floats(0.0, 0.9),
+    st.floats(0.05, 1.2),
+    log_floats(1.0, 1e3),
+)
+def test_numbers_are_those_of_a_script(law, stiffness, restitution, second, damping, mu, pressure) -> None:
+    """Grains and walls with friction, a gas, and grains under a pressure, whose stable step depends on k_t."""
+    linear = law == "linear"
+    numbers = [
+        stiffness if linear else 1e3 * stiffness,
+        restitution,
+        stiffness * second if linear else second,
+    ]
+    own = compare_with_script(law, [*numbers, damping, mu], speed=0.3, pressure=pressure)
+    assert own["state"]["largest_stable_step"] > 0.0 and own["state"]["name"] == "pressed"
+    for row in own["contacts"]:
+        assert row["friction"]["coefficient"] == mu and row["friction"]["limit"] == "total"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "numbers"),
+    [("linear", [1e4, 0.9, 3e3, 0.4, 0.5]), ("tsuji", [1e7, 0.8, 0.3, 0.0, 0.2])],
+)
+def test_the_error_of_numbers_is_that_of_a_script(law, numbers) -> None:
+    own = compare_with_script(law, numbers, speed=0.3, packing_fraction=0.3)["contacts"][0]
+    assert own["error"]["law"][0] != own["frictionless_error"] and own["rule"] == "law"
+
+
+def test_friction_of_numbers_is_said() -> None:
+    """The line of the friction, the rule that has it, and the solid disks of two dimensions."""
+    friction = ["--friction", 0.5, "--stiffness-ratio", "2/7"]
+    text = " ".join(run("check", *GRAINS, *SPRING, "--speed", 0.3, *friction).stdout.split())
+    assert "1–1, 1–wall μ 0.5: sticks below 59°, slides beyond" in text and "normal contact, friction" in text
+    disks = printed("check", *GRAINS, *SPRING, "--speed", 0.3, *friction, "--dimension", 2)["contacts"][0]
+    ball = hl.Ball(1e-3, density=2500.0, inertia_factor=0.5)
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=2 / 7))
+    row = hl.check(ball, law=law, speed=0.3, dimension=2).rows[0].friction
+    assert disks["friction"] == json.loads(json.dumps(row.to_dict()))
+    smooth = printed("check", *GRAINS, *SPRING, "--speed", 0.3)["contacts"][0]
+    assert smooth["friction"]["coefficient"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("typed", "line"),
+    [
+        ("--stiffness-ratio 1", "--friction: missing, must be given beside --stiffness-ratio"),
+        ("--friction-model mindlin", "--friction: missing, must be given beside --friction-model"),
+        ("--friction -1", "--friction: got -1, must be >= 0"),
+        ("--friction 1kg", "--friction: got '1kg'"),
+        (
+            "--friction 1 --stiffness-ratio 1 --tangential-stiffness 1",
+            "--stiffness-ratio | --tangential-stiff",
+        ),
+        ("--friction 1 --friction-model mindlin", "--friction-model"),
+    ],
+)
+def test_bad_friction_of_numbers_is_refused_in_one_line(typed: str, line: str) -> None:
+    assert line in refused("check", *GRAINS, *SPRING, *typed.split())
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [
+        *("--friction 0.5", "--stiffness-ratio 0.5", "--tangential-stiffness 0.5", "--damping-ratio 0.5"),
+        *("--tangential-damping 0.5", "--friction-model spring", "--limit total"),
+    ],
+)
+def test_friction_is_that_of_the_script(typed: str, tmp_path: Path) -> None:
+    (tmp_path / "in.box").write_text(LAMMPS.format(LINE))
+    line = refused("check", tmp_path / "in.box", *typed.split())
+    assert line.endswith(f"{typed.replace(' ', ': got ')}, must be left out with a file")
 
 
 # --- traps ----------------------------------------------------------------------------------------------------

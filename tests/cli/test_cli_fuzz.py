@@ -189,7 +189,11 @@ BEGINNINGS = {
     ],
     "contact": [["--law", "tsuji"], ["--other-radius", "1mm"]],
     "convert": [[*GRAIN, "--restitution", "0.9"], [*GRAIN, *SPRING], [*GRAIN, "--code", "yade"]],
-    "check": [[*GRAIN, *SPRING], [*GRAIN, "--law", "viscoelastic"]],
+    "check": [
+        [*GRAIN, *SPRING],
+        [*GRAIN, "--law", "viscoelastic"],
+        [*GRAIN, *SPRING, "--friction", "0.5"],
+    ],
     "drop": [["--law", "viscoelastic"], ["--radius", "1"]],
     "sweep": [["--gap", "1um,2um"], ["--law", "viscoelastic", "--gap", "1um,2um"], ["--gap", "1:2:1000000"]],
 }

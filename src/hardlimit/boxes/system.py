@@ -210,10 +210,7 @@ class ParticleSystem:
             "shear_displacement": self.domain.displacement_after(time),
         }
         if angular_velocities is not None:
-            factor = (
-                spins.solid(self.n, self.dimension) if self.inertia_factor is None else self.inertia_factor
-            )
-            new |= {"angular_velocities": angular_velocities, "inertia_factor": factor}
+            new |= {"angular_velocities": angular_velocities, "inertia_factor": self._inertia_factor}
         return self._of(**self._values() | new, _unfolded=unfolded)
 
     @property
@@ -598,8 +595,12 @@ class ParticleSystem:
     @property
     def inertia(self) -> Floats:
         """Moments of inertia q m R² (N,) [kg m²]; those of solid bodies unless ``inertia_factor`` is given."""
-        factor = spins.solid(self.n, self.dimension) if self.inertia_factor is None else self.inertia_factor
-        return read_only(factor * self.mass * self.radius**2)
+        return read_only(self._inertia_factor * self.mass * self.radius**2)
+
+    @property
+    def _inertia_factor(self) -> Floats:
+        """q of each particle, also without spins."""
+        return spins.solid(self.n, self.dimension) if self.inertia_factor is None else self.inertia_factor
 
     @property
     def rotational_energy(self) -> float:

@@ -62,7 +62,7 @@ def check(
     time_step : float [s], optional
         Time step under which a ball or a system is simulated; in place of that of a script.
     dimension : int, optional
-        For a ball: 3 for spheres, the default, or 2 for disks.
+        For a ball: 3 for spheres, the default, or 2 for disks; solid ones have ``inertia_factor=0.5``.
     power : float [W], optional
         Heating power of each grain, instead of ``speed``; as in the script if it is in ``lj`` units. The speed is that
         of the steady state, in which collisions dissipate this power. A system with a thermostat has its own.

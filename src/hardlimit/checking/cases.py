@@ -476,7 +476,11 @@ def of_law(balls: Sequence[Ball], law: Law, walls: bool, time_step: float | None
 
 
 def sizes(system: ParticleSystem) -> list[Ball]:
-    """The smallest and the largest particle of a system."""
-    ends = dict.fromkeys(int(f(system.radius)) for f in (np.argmin, np.argmax))
-    balls = [Ball(float(system.radius[k]), mass=float(system.mass[k])) for k in ends]
-    return balls[:1] if len(set(balls)) == 1 else balls
+    """The smallest and the largest particle of a system, and those of the ends of q if it varies."""
+    q = system._inertia_factor
+    ends = [int(f(values)) for values in (system.radius, q) for f in (np.argmin, np.argmax) if np.ptp(values)]
+    balls = [
+        Ball(float(system.radius[k]), mass=float(system.mass[k]), inertia_factor=float(q[k]))
+        for k in ends or [0]
+    ]
+    return list(dict.fromkeys(balls))

@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from ..boxes import spins
 from ..boxes.error_law import MEASURED_TC_NU
 from ..checking import check as checked
 from ..checking import state_words
@@ -22,7 +23,17 @@ from ..column import files
 from ..contact.balls import Ball
 from ..convert.codes import code as code_of
 from ..support.formatting import digits, length, listed, percent, percent_with_error, quantity
-from .options import Quantity, json_option, law_options, options, quantity_option, spelled, take_law
+from .options import (
+    Quantity,
+    friction_options,
+    json_option,
+    law_options,
+    options,
+    quantity_option,
+    spelled,
+    take_friction,
+    take_law,
+)
 from .printing import console, print_json
 from .program import FAILURE, Command
 
@@ -119,7 +130,7 @@ number_options = options(
     quantity_option("--density", unit="kg/m3", help="Density [kg/m³] of the grains, if the script has none."),
     quantity_option("--mass", unit="kg", help="Mass [kg] of a grain instead of the density."),
     quantity_option("--time-step", unit="s", help="Time step [s] to check, instead of the script's."),
-    click.option("--dimension", type=click.Choice(["2", "3"]), help="Disks or spheres.  [default: 3]"),
+    click.option("--dimension", type=click.Choice(["2", "3"]), help="Solid disks or spheres.  [default: 3]"),
 )
 
 
@@ -128,6 +139,7 @@ number_options = options(
 @script_options
 @number_options
 @law_options()
+@friction_options()
 @click.option("--strict", is_flag=True, help="Exit with code 1 if the answer is no.")
 @click.option("--verbose", is_flag=True, help="Print everything: each speed, all rules, quoted lines.")
 @json_option()
@@ -187,9 +199,10 @@ def from_numbers(numbers: dict[str, Any], scripted: dict[str, Any], conditions: 
     for argument, value in scripted.items():
         if value not in (None, {}):
             raise ValueError(f"{OPTIONS.get(argument, spelled(argument))}: must be left out without a file")
-    ball = Ball(numbers["radius"], numbers["density"], numbers["mass"])
-    law = files.changed_law(None, name, parameters)
-    dimension = None if numbers["dimension"] is None else int(numbers["dimension"])
+    dimension = int(numbers["dimension"] or 3)
+    factor = spins.SOLID[dimension]
+    ball = Ball(numbers["radius"], numbers["density"], numbers["mass"], inertia_factor=factor)
+    law = take_friction(files.changed_law(None, name, parameters), numbers)
     return checked(ball, law=law, time_step=numbers["time_step"], dimension=dimension, **conditions)
 
 

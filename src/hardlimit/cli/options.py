@@ -245,7 +245,9 @@ def with_friction(law: Law, options: Mapping[str, Any]) -> Law:
     except ValueError as error:
         subject, colon, rest = str(error).partition(": ")
         subject = re.sub(r"\w+", lambda match: FRICTION_OPTIONS.get(match[0], match[0]), subject)
-        raise ValueError(subject + colon + re.sub(r"\bmodel\b", FRICTION_OPTIONS["model"], rest)) from None
+        raise ValueError(
+            subject + colon + re.sub(r"(?<![\w-])model\b", FRICTION_OPTIONS["model"], rest)
+        ) from None
 
 
 # --- files to write -----------------------------------------------------------------------------------------
