@@ -534,3 +534,17 @@ def test_any_contact_has_numbers(
     assert np.nanmin(np.abs(direct - betas[1:, None]), axis=1, initial=1.0).max() < 1e-6
     if row.sticks_below is not None and row.slides_beyond is not None:
         assert 0.0 <= row.sticks_below <= row.slides_beyond <= 0.5 * math.pi
+
+
+def test_numbers_alone_may_be_answered_with_yes():
+    """The wall beside them need not be there; a wall of a system is."""
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.9, friction=hl.Friction(0.5))
+    ball, gas = hl.Ball(1e-3, density=2500.0), {"speed": 0.3, "packing_fraction": 0.3}
+    verdict = hl.check(ball, law=law, **gas)
+    assert verdict.admissible is True
+    assert verdict.sentence.endswith("This holds far from walls that rub.")
+    smooth = hl.check(ball, law=hl.LinearDashpot(stiffness=1e6, restitution=0.9), **gas)
+    assert smooth.admissible is True
+    assert "walls" not in smooth.sentence
+    box = hl.ParticleSystem.random(50, 0.1, radius=1e-3, density=2500.0, rms_speed=0.3, boundary="wall")
+    assert hl.check(box, law=law).admissible is None

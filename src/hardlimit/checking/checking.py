@@ -944,6 +944,7 @@ def _of_law(
     support: drive.Support = NO_SUPPORT,
     bed: tuple[float, float] | None = None,
 ) -> Verdict:
+    supposed = question is None  # a ball, and a wall that need not be there
     if question is None:
         question = answer.Question("cooling" if options.drive is None else options.drive.quantity)
     contacts = cases.of_law(balls, law, walls, step)
@@ -969,10 +970,13 @@ def _of_law(
     question = _flowing(question, grains, stage.gravity is not None)
     invalidates = [*_held_together(grains, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
     missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive), dumped)
-    admissible, sentence = answer.answer(rows, invalidates, (), missing, question)
+    decisive = [row for row in rows if not supposed or row.types[1] != "wall"]
+    admissible, sentence = answer.answer(decisive, invalidates, (), missing, question)
+    rubs = supposed and any(row.friction.coefficient for row in rows)
     return Verdict(
         admissible=admissible,
         sentence=sentence
+        + " This holds far from walls that rub." * (rubs and admissible is True)
         + answer.steady(rows, options.drive, False)
         + _words_of_state(grains, "si", dimension),
         code=None,
