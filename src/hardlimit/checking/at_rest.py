@@ -316,7 +316,7 @@ class GrainState:
     name: str  #: "rest", "pressed", "flow", "shaken", or "gas" if nothing holds them together
     pressure: float | None = None  #: p [Pa]; at rest under gravity at the bottom
     pressure_from: str | None = None  #: where it comes from, in words
-    pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains
+    pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains, or walls beside them
     packing_fraction: float | None = None  #: φ that was used, measured or expected
     coordination: float | None = None  #: contacts of a grain that were used, measured or expected
     overlap: float | None = None  #: δ/R, mean overlap of a contact over the smaller radius
