@@ -33,7 +33,8 @@ QUASI_STATIC, COLLISIONAL = 1e-3, 0.1
 GRAVITY: Final = 9.81
 #: Four times the power of Hertz' force.
 HERTZ: Final = 6
-#: Mean overlap of Hertz' contacts over that under the mean force, in such beds.
+#: Mean overlap of Hertz' contacts over that under the mean force: 0.91 to 0.94 in beds of κ_p from 1e2 to 1e4
+#: (docs/hard_enough.md), since forces are unequal.
 HERTZ_SPREAD: Final = 0.92
 #: Packing fraction and coordination of settled spheres with friction over those of rigid ones, less one: the first
 #: times κ_p, the second times √κ_p, from κ_p = 100 on.

@@ -1059,8 +1059,11 @@ class Yade(Evaluator):
         return contents if stage.down is None or not self.still() else self.filling.bed(contents, stage.down)
 
     def still(self) -> bool:
-        """Whether no engine or callback moves walls, adds bodies or presses the grains."""
-        if self.strain is not None or any(engine.name in MOTION for engine in self.used("")):
+        """Whether no engine or callback moves walls, adds bodies or forces, or presses the grains."""
+        forced = [
+            name for name in (engine.name for engine in self.used("")) if any(sign in name for sign in FORCES)
+        ]
+        if self.strain is not None or forced or any(engine.name in MOTION for engine in self.used("")):
             return False
         commands = [engine.argument(0, "command", "") for engine in self.used("PyRunner")]
         if not all(isinstance(command, str) for command in commands):

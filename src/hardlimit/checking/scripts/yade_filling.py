@@ -16,6 +16,8 @@ from .yade_container import Container, Ends, axis_of, box_around, is_number, vec
 
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
+#: Fewest spheres in one stack that are taken as a bed.
+PILE: Final = 10
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
 TEXTS: Final = ("text", "textExt")
 
@@ -53,6 +55,8 @@ class YadeFilling:
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
             if floor is not None and contents.filled < LAYER * diameter * floor:
+                return contents
+            if contents.count * diameter < height and contents.count < PILE:
                 return contents
             if contents.count * diameter < height:
                 height, source = contents.count * diameter, "of spheres in one stack"
