@@ -116,7 +116,7 @@ def test_a_periodic_cell_has_the_weight_on_its_floor_alone(cell):
     ("O.bodies.append(wall(-0.01, 2))\n" + IN_BOX.format(", num=5000"), 0.1),
     ("O.bodies.append(box((0, 0, 0), (1, 1, 0.02), fixed=True))\n" + IN_BOX.format("").replace("0.01", "0.02"), 0.07),
     (BOX + IN_BOX.format("").replace("sp.toSimulation()", "for c, r in sp:\n    O.bodies.append(sphere(c, r))"), 0.09),
-    (BOX + "O.bodies.append(pack.regularHexa(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", 0.07),
+    (BOX + "O.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", 0.07),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k * 1e-2), 2e-3) for k in range(1, 13)])\n", 0.048),
 ])  # fmt: skip
 def test_no_bed_is_higher_than_where_its_grains_are_made(bodies, height):
@@ -140,11 +140,12 @@ CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
     (FILLED + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),
     (FILLED + "O.bodies.append(ymport.text('spheres.txt'))\n", "", ""),
     (BOX + IN_BOX.format(", num=100"), "", ""),
+    (BOX + "O.bodies.append(pack.regularHexa(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", "", ""),
     (FILLED, "\n    HydroForceEngine(ids=[7]),", ""),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 9)])\n", "", ""),
 ])  # fmt: skip
 def test_there_is_no_pressure_where_something_is_not_known(bodies, engine, end):
-    """Callbacks that add or move bodies, walls that move, forces, a turned box, files; a few grains."""
+    """Callbacks that add or move bodies, walls that move, forces, a turned box, files; dense or few grains."""
     assert state(FILLED).pressure is not None
     assert state(bodies, engine=engine, end=end).pressure is None
 

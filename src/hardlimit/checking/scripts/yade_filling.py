@@ -72,7 +72,10 @@ def corners_of(instance: Instance) -> list[Direction | None]:
 
 
 def ends_of(instance: Instance, name: str = "") -> Ends | None:
-    """Where ``makeCloud``, ``sphere``, ``add``, or a regular packing in a box makes spheres; None if not known."""
+    """Where ``makeCloud``, ``sphere``, ``add``, or a simple cubic packing in a box makes spheres.
+
+    None if it is not known, and of packings that may be denser than a bed.
+    """
     if (name or instance.name) == "makeCloud":
         low, high = corners_of(instance)
         known = low is not None and high is not None and "hSize" not in instance.attributes
@@ -81,7 +84,8 @@ def ends_of(instance: Instance, name: str = "") -> Ends | None:
         radius = instance.argument(1, "radius")
         return box_around(instance.argument(0, "center"), (radius,) * 3)
     space = instance.argument(0, "predicate")
-    if not isinstance(space, Instance) or space.name != "inAlignedBox":
+    loose = (name or instance.name) == "regularOrtho"
+    if not loose or not isinstance(space, Instance) or space.name != "inAlignedBox":
         return None
     low, high = (vector(space.argument(k, name)) for k, name in enumerate(("minAABB", "maxAABB")))
     return None if low is None or high is None else (low, high)
