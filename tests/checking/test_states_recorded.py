@@ -31,10 +31,10 @@ def test_the_longest_stable_step_is_that_of_the_code(state):
 
 
 def test_the_mean_overlap_is_that_in_the_code(state):
-    """Within 12 %: that of Hertz' contacts is at the mean force, about 7 % above the mean overlap."""
+    """Within 10 %: 3.9 % above LAMMPS (linear), 9.7 % above LIGGGHTS (Hertz; 19 % at the mean force)."""
     row, said = state
     if row["script"] not in UNEQUAL:
-        assert said.overlap == pytest.approx(float(row["overlap"]), rel=0.12)
+        assert said.overlap == pytest.approx(float(row["overlap"]), rel=0.1)
         assert said.coordination == pytest.approx(float(row["coordination"]), rel=0.05)
 
 

@@ -33,7 +33,8 @@ QUASI_STATIC, COLLISIONAL = 1e-3, 0.1
 GRAVITY: Final = 9.81
 #: Four times the power of Hertz' force.
 HERTZ: Final = 6
-#: Mean overlap of Hertz' contacts over that under the mean force, in such beds.
+#: Mean overlap of Hertz' contacts over that under the mean force: 0.91 to 0.94 in beds of κ_p from 1e2 to 1e4
+#: (docs/hard_enough.md), since forces are unequal.
 HERTZ_SPREAD: Final = 0.92
 #: Packing fraction and coordination of settled spheres with friction over those of rigid ones, less one: the first
 #: times κ_p, the second times √κ_p, from κ_p = 100 on.
@@ -316,7 +317,7 @@ class GrainState:
     name: str  #: "rest", "pressed", "flow", "shaken", or "gas" if nothing holds them together
     pressure: float | None = None  #: p [Pa]; at rest under gravity at the bottom
     pressure_from: str | None = None  #: where it comes from, in words
-    pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains
+    pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains, or walls beside them
     packing_fraction: float | None = None  #: φ that was used, measured or expected
     coordination: float | None = None  #: contacts of a grain that were used, measured or expected
     overlap: float | None = None  #: δ/R, mean overlap of a contact over the smaller radius

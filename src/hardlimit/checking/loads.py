@@ -124,16 +124,21 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         top, mass = around.bed
         return {"pressure": mass * gravity, "origin": f"below {around.length(top)} of grains", "weight": True}
     density, phi, contents = _density(around), around.packing.packing_fraction, stage.contents
-    if options.height is None and density is not None and contents.filled and stage.floor:
+    floor = stage.floor or contents.floor
+    if options.height is None and density is not None and contents.filled and floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
-        pressure = weight(contents.filled / stage.floor, density, gravity)
-        return {"pressure": pressure, "origin": f"below {count} on the floor of the box", "weight": True}
-    height = _height(stage) if options.height is None else options.height
+        pressure = weight(contents.filled / floor, density, gravity)
+        origin = f"below {count} on the floor of the box"
+        return {"pressure": pressure, "origin": origin, "weight": True, "bound": contents.walled}
+    edge = _height(stage) or contents.height
+    height = edge if options.height is None else options.height
     if height is None or density is None:
         return {}
     bound = options.height is None
     grains = f"{around.length(height)} of grains at φ = {digits(phi, 2)}"
     origin = f"a box of {grains}" if bound else f"below {grains}"
+    if bound and contents.height is not None:
+        origin = f"{around.length(height)} {contents.height_from}, at φ = {digits(phi, 2)}"
     pressure = weight(height, phi * density, gravity)
     return {"pressure": pressure, "origin": origin, "weight": True, "bound": bound}
 

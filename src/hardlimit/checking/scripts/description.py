@@ -74,6 +74,10 @@ class Contents:
     filled: float | None = None  #: their volume, in two dimensions their area
     volume: float | None = None  #: of the box
     speeds: tuple[Speed, ...] = ()
+    floor: float | None = None  #: area on which they lie
+    walled: bool = False  #: whether side walls, which may carry a part of the weight, are around it
+    height: float | None = None  #: that no bed of these grains exceeds
+    height_from: str = ""  #: where this comes from, in words
 
 
 NOTHING = Contents()

@@ -35,16 +35,17 @@ from .motion import STEADY, UNKNOWN, strongest
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import quoted, refusal
+from .yade_container import Ends, is_number, vector
+from .yade_container import union as around
 from .yade_filling import (
     TEXTS,
     YadeFilling,
     cloud,
-    is_number,
+    ends_of,
     lot_of,
     obstacle,
     radii_in,
     uniform,
-    vector,
     volume_of,
 )
 from .yade_friction import FRICTION_ANGLE, Contact, mixed, tangential_of, warnings
@@ -286,6 +287,20 @@ SHAPE_NAMES: Final = {"sphere": "Sphere", "facets": "Facet", "walls": "Wall", "b
 HIDDEN: Final = ("exec", "execfile", "runpy", "run_path", "run_module", "import_module", "__import__")
 
 
+#: Methods of a SpherePack that make spheres, and those that leave them where they are.
+MADE: Final = ("makeCloud", "add")
+UNMOVED: Final = ("psd", "relDensity", "save", "toFile", "aabb", "dim", "center", "hasClumps", "psdDistrib")
+#: Attributes of states: of walls, they move them.
+PLACED: Final = ("vel", "angVel", "pos", "ori", "velGrad", "trsf")
+
+
+@dataclass(frozen=True)
+class Centre(Unknown):
+    """A centre of a sphere in a loop over a SpherePack, all of which are between these ends."""
+
+    ends: tuple[Ends | None, ...] = (None,)
+
+
 #: Spheres of unknown number.
 UNCOUNTED: Final = Lot(0)
 
@@ -303,6 +318,7 @@ class Body:
     several: bool = False  #: whether there may be more than one
     locked: Quote | None = None  #: what keeps it from turning as a free or a fixed sphere does
     lot: Lot = UNCOUNTED  #: of spheres: how many, and the sums of their radii
+    ends: Ends | None = None  #: of spheres: between which they are made
 
 
 class Yade(Evaluator):
@@ -370,7 +386,7 @@ class Yade(Evaluator):
         iterable = self.value(node)
         if isinstance(iterable, Instance) and iterable.name == "SpherePack":
             self.filling.census.complete = False  # its loop runs over sizes here, not over spheres
-            centre = Unknown("a centre")
+            centre = Centre("a centre", tuple(iterable.attributes.get("ends", [None])))
             sizes = list(dict.fromkeys(size for size in iterable.made if not isinstance(size, Body))) or [
                 None
             ]
@@ -480,6 +496,11 @@ class Yade(Evaluator):
             self.velocity_assigned(owner, value)
         if owner == "O.cell" and name in ("hSize", "refHSize"):
             self.filling.cell = volume_of(value)
+        elif owner == "O.cell":
+            self.filling.container.known = False
+        body = body_of(owner) if name in PLACED else None
+        if name in PLACED and (name == "pos" or body is None or body.kind != "sphere"):
+            self.filling.container.known = False
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
@@ -573,6 +594,7 @@ class Yade(Evaluator):
                 self.quote(instance.line, instance.text),
             )
             self.invalidates[note] = None
+            self.filling.container.known = False
         if isinstance(owner, Instance) and owner.name == "SpherePack":
             self.pack_method(name, owner, instance)
             return instance
@@ -701,7 +723,7 @@ class Yade(Evaluator):
             self.from_file(instance)
             return
         self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
-        self.numbered = 0
+        self.numbered, self.filling.container.known = 0, False
 
     def bodies_method(self, name: str, instance: Instance) -> Any:
         """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
@@ -783,9 +805,18 @@ class Yade(Evaluator):
         radius, centre = as_range(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
         body = self.body(instance, "sphere", radius)
         body.lot = uniform(None if body.several else 1.0, radius)
+        body.ends = None if body.frozen else self.made_ends(instance)
         instance.made.append(body)
         if centre is not None and not body.frozen:
             self.filling.places.append((centre, centre))
+
+    def made_ends(self, instance: Instance) -> Ends | None:
+        """Between which ends a sphere is made, or all spheres of the SpherePack over which a loop runs."""
+        centre = instance.argument(0, "center")
+        if not isinstance(centre, Centre):
+            return ends_of(instance)
+        known = [ends for ends in centre.ends if ends is not None]
+        return around(known) if known and len(known) == len(centre.ends) else None
 
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
@@ -793,6 +824,7 @@ class Yade(Evaluator):
         body.several |= instance.name not in ("facet", "wall", "box")
         body.frozen |= instance.name != "box"
         obstacle(self.filling, instance)
+        self.filling.container.add(instance)
         if instance.name == "box":
             half = instance.argument(1, "extents")
             if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
@@ -809,17 +841,20 @@ class Yade(Evaluator):
             place = 0 if instance.name == "hexaNet" else 1
             sizes = [fuzzy(instance.argument(place, "radius"), instance.attributes.get("rRelFuzz", 0.0))]
         if instance.attributes.get("returnSpherePack") is True:
+            instance.attributes["ends"] = [ends_of(instance)]
             instance.name = "SpherePack"
             instance.made += sizes
         else:
             place = 2 if instance.name == "randomDensePack" else -1
             spheres = [self.body(instance, "sphere", size, place) for size in sizes]
-            instance.made += [replace(sphere, several=True) for sphere in spheres]
+            instance.made += [replace(sphere, several=True, ends=ends_of(instance)) for sphere in spheres]
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
         lots, before = pack.attributes.setdefault("lots", []), len(pack.made)
         number = cloud(self.filling, pack, instance) if name == "makeCloud" else 1.0
+        if name not in ("toSimulation", "toList", *UNMOVED):
+            pack.attributes.setdefault("ends", []).append(ends_of(instance, name) if name in MADE else None)
         if name == "makeCloud":
             sizes = instance.argument(7, "psdSizes")
             if isinstance(sizes, list | tuple) and sizes and "num" not in instance.attributes:
@@ -844,6 +879,7 @@ class Yade(Evaluator):
             spheres = [self.body(instance, "sphere", size) for size in sizes]
             self.bodies += [replace(sphere, several=True) for sphere in spheres]
             self.filling.census.lots += lots if self.repeats == 0 and lots else [UNCOUNTED]
+            self.filling.container.spheres += pack.attributes.get("ends", [None])
             if "cell" in pack.attributes:
                 self.filling.cell, self.filling.periodic = pack.attributes["cell"], True
         elif name == "scale":
@@ -870,6 +906,7 @@ class Yade(Evaluator):
             )
             self.bodies += bodies
             self.filling.census.lots += [body.lot for body in bodies if body.kind == "sphere"]
+            self.filling.container.spheres += [body.ends for body in bodies if body.kind == "sphere"]
             if clumped and isinstance(part, Instance):
                 self.clumps(replace(part, name="appendClumped"))
             other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
@@ -891,6 +928,7 @@ class Yade(Evaluator):
         self.unknown[self.quote(instance.line, instance.text)] = None
 
     def clumps(self, instance: Instance) -> None:
+        self.filling.container.known = False
         note = Note(
             f"clumps or shapes that are no spheres ({instance.name})",
             None,
@@ -1017,8 +1055,40 @@ class Yade(Evaluator):
         """What a run has in its cell; factories make an unknown number of spheres."""
         contents = self.filling.contents(stage)
         if self.elsewhere or any(self.used(name) for name in ("BoxFactory", "CircularFactory")):
-            contents = replace(contents, count=None, filled=None)
-        return contents
+            return replace(contents, count=None, filled=None)
+        return contents if stage.down is None or not self.still() else self.filling.bed(contents, stage.down)
+
+    def still(self) -> bool:
+        """Whether no engine or callback moves walls, adds bodies or forces, or presses the grains."""
+        forced = [
+            name for name in (engine.name for engine in self.used("")) if any(sign in name for sign in FORCES)
+        ]
+        if self.strain is not None or forced or any(engine.name in MOTION for engine in self.used("")):
+            return False
+        commands = [engine.argument(0, "command", "") for engine in self.used("PyRunner")]
+        if not all(isinstance(command, str) for command in commands):
+            return False
+        parts = [part for command in commands for part in self.parts_of(command)]
+        return not any(touches(part) or moves(part) for part in (*parts, *self.uncalled()))
+
+    def uncalled(self) -> list[ast.FunctionDef]:
+        """Functions that were not run here, although the script may run them."""
+        named = {node.id for node in ast.walk(self.tree) if isinstance(node, ast.Name)}
+        methods = [method for each in self.classes.values() for method in each.values()]
+        functions = [*(function for name, function in self.functions.items() if name in named), *methods]
+        return [function for function in functions if function not in self.executed]
+
+    def parts_of(self, command: str) -> list[ast.AST]:
+        """The functions that a command runs, and the command itself if it is understood."""
+        pending, named = [command], dict[str, ast.FunctionDef]()
+        while pending:
+            new = self.functions.keys() & set(re.findall(r"\w+", pending.pop())) - named.keys()
+            named |= {name: self.functions[name] for name in new}
+            pending += [self.source(self.functions[name]) for name in new]
+        try:
+            return [*named.values(), ast.parse(textwrap.dedent(command))]
+        except SyntaxError:
+            return [*named.values()]
 
     def step_now(self) -> float | None:
         """The time step; None if it is not known or an engine changes it."""
@@ -1575,25 +1645,15 @@ class Yade(Evaluator):
         command = instance.argument(0, "command", "")
         if not isinstance(command, str):
             return
-        pending, named = [command], dict[str, ast.FunctionDef]()
-        while pending:
-            new = self.functions.keys() & set(re.findall(r"\w+", pending.pop())) - named.keys()
-            named |= {name: self.functions[name] for name in new}
-            pending += [self.source(self.functions[name]) for name in new]
-        self.executed |= set(named.values())
-        try:
-            parts = [*named.values(), ast.parse(textwrap.dedent(command))]
-        except SyntaxError:
-            parts = [*named.values()]
+        parts = self.parts_of(command)
+        self.executed |= {part for part in parts if isinstance(part, ast.FunctionDef)}
         if any(map(touches, parts)):
             self.unknown[quote] = None
 
     def callbacks(self) -> None:
         """Functions that were not run here, although the script may run them."""
-        named = {node.id for node in ast.walk(self.tree) if isinstance(node, ast.Name)}
-        methods = [method for each in self.classes.values() for method in each.values()]
-        for function in [*(function for name, function in self.functions.items() if name in named), *methods]:
-            if function not in self.executed and touches(function):
+        for function in self.uncalled():
+            if touches(function):
                 self.unknown[
                     self.quote(function.lineno, f"def {function.name}({ast.unparse(function.args)})")
                 ] = None
@@ -1622,6 +1682,12 @@ def touches(part: ast.AST) -> bool:
             if name in TOUCHING or name in HIDDEN or owner.endswith((".bodies", ".materials")):
                 return True
     return False
+
+
+def moves(part: ast.AST) -> bool:
+    """Whether statements set places or velocities of bodies."""
+    targets = [node for node in ast.walk(part) if isinstance(node, ast.Attribute)]
+    return any(node.attr in PLACED and isinstance(node.ctx, ast.Store) for node in targets)
 
 
 def body_of(value: Any) -> Body | None:

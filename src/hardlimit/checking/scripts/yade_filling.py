@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,11 +12,12 @@ from . import census
 from .commands import text_of
 from .description import Contents, Direction, Range, Speed, Stage
 from .python import Instance, flat
+from .yade_container import Container, Ends, axis_of, box_around, is_number, vector
 
-#: Cosine of the angle up to which gravity counts as along an axis.
-ALONG: Final = 1.0 - 1e-6
-#: Largest number whose third power is finite.
-LARGEST: Final = 1e100
+#: Volume of one layer of spheres over that of a box of their height.
+LAYER: Final = 0.6
+#: Fewest spheres in one stack that are taken as a bed.
+PILE: Final = 10
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
 TEXTS: Final = ("text", "textExt")
 
@@ -34,6 +35,7 @@ class YadeFilling:
     )  #: ends of walls, boxes and facets
     velocities: dict[int, Direction] = field(default_factory=dict)  #: of single bodies
     known: bool = True  #: whether no velocity is unknown
+    container: Container = field(default_factory=Container)
 
     def contents(self, stage: Stage) -> Contents:
         """What a run has in its cell, and the speeds that are stated for it."""
@@ -41,24 +43,57 @@ class YadeFilling:
         speeds = [*falls(self, stage), *(relative(self) if self.known else ())]
         return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds))
 
+    def bed(self, contents: Contents, down: Direction) -> Contents:
+        """With the area on which the spheres lie, and the height above which none of them comes to rest."""
+        cell = self.cell if self.periodic else None
+        if self.periodic and (cell is None or len(cell) != 3):
+            return contents
+        floor, height = self.container.floor(down, cell), self.container.height(down)
+        if height is None or (cell is not None and floor is None):
+            return contents
+        source = "from the floor to where spheres are made"
+        if contents.count and contents.filled:
+            diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
+            if floor is not None and contents.filled < LAYER * diameter * floor:
+                return contents
+            if contents.count * diameter < height and contents.count < PILE:
+                return contents
+            if contents.count * diameter < height:
+                height, source = contents.count * diameter, "of spheres in one stack"
+        return replace(contents, floor=floor, walled=cell is None, height=height, height_from=source)
 
-def vector(value: Any) -> Direction | None:
-    """Three known numbers."""
-    if isinstance(value, list | tuple) and len(value) == 3 and all(map(is_number, value)):
-        return float(value[0]), float(value[1]), float(value[2])
-    return None
+
+def corners_of(instance: Instance) -> list[Direction | None]:
+    """The corners of ``makeCloud``."""
+    corners = [vector(instance.argument(k, name)) for k, name in enumerate(("minCorner", "maxCorner"))]
+    if corners[0] is None and not instance.arguments and "minCorner" not in instance.attributes:
+        corners[0] = (0.0, 0.0, 0.0)
+    return corners
 
 
-def is_number(value: Any) -> bool:
-    """Whether a value is a known number whose powers are finite."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST < value < LARGEST
+def ends_of(instance: Instance, name: str = "") -> Ends | None:
+    """Where ``makeCloud``, ``sphere``, ``add``, or a simple cubic packing in a box makes spheres.
+
+    None if it is not known, and of packings that may be denser than a bed.
+    """
+    if (name or instance.name) == "makeCloud":
+        low, high = corners_of(instance)
+        known = low is not None and high is not None and "hSize" not in instance.attributes
+        return (low, high) if known and low is not None and high is not None else None
+    if (name or instance.name) in ("sphere", "add"):
+        radius = instance.argument(1, "radius")
+        return box_around(instance.argument(0, "center"), (radius,) * 3)
+    space = instance.argument(0, "predicate")
+    loose = (name or instance.name) == "regularOrtho"
+    if not loose or not isinstance(space, Instance) or space.name != "inAlignedBox":
+        return None
+    low, high = (vector(space.argument(k, name)) for k, name in enumerate(("minAABB", "maxAABB")))
+    return None if low is None or high is None else (low, high)
 
 
 def cloud(filling: YadeFilling, pack: Instance, instance: Instance) -> float | None:
     """The number of spheres of ``makeCloud``, and where they are."""
-    corners = [vector(instance.argument(k, name)) for k, name in enumerate(("minCorner", "maxCorner"))]
-    if corners[0] is None and not instance.arguments and "minCorner" not in instance.attributes:
-        corners[0] = (0.0, 0.0, 0.0)
+    corners = corners_of(instance)
     if corners[0] is not None and corners[1] is not None:
         filling.places.append((corners[0], corners[1]))
         if instance.argument(5, "periodic", False) in (True, 1):
@@ -97,10 +132,10 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
 
 def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
     """The speed with which the highest sphere reaches the highest obstacle below it."""
-    axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
-    if not axes or not stage.gravity or stage.down is None:
+    along = axis_of(stage.down or ())
+    if along is None or not stage.gravity:
         return
-    k, sign = axes[0], -1.0 if stage.down[axes[0]] > 0.0 else 1.0
+    k, sign = along
     tops = [max(sign * low[k], sign * high[k]) for low, high in filling.places]
     ends = [max(sign * low[k], sign * high[k]) for low, high in filling.floors]
     for top in tops:
@@ -151,10 +186,12 @@ def uniform(count: float | None, radii: Range | None) -> census.Lot:
 
 
 def volume_of(matrix: Any) -> tuple[float, ...] | None:
-    """The volume of a cell from ``Matrix3`` of its edges; None if it is not known."""
+    """The edges of a cell from a ``Matrix3``, or the volume of an inclined one; None if it is not known."""
     if not isinstance(matrix, Instance) or len(parts := flat([matrix.arguments])) != 9:
         return None
     if not all(map(is_number, parts)):
         return None
     a, b, c, d, e, f, g, h, i = map(float, parts)
+    if not any((b, c, d, f, g, h)):
+        return abs(a), abs(e), abs(i)
     return (abs(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)),)

@@ -1,0 +1,171 @@
+"""The pressure on grains at rest in scripts of YADE: from their number, the floor, and where they are made."""
+
+import cmath
+import math
+import random
+
+import pytest
+
+import hardlimit as hl
+from conftest import slow
+
+SCRIPT = """from yade import geom, pack, ymport
+stone = O.materials.append(FrictMat(young=1e7, poisson=0.3, frictionAngle={angle}, density=2500, label="stone"))
+{bodies}
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]),
+    InteractionLoop(
+        [Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom(), Ig2_Box_Sphere_ScGeom()],
+        [Ip2_FrictMat_FrictMat_FrictPhys()], [Law2_ScGeom_FrictPhys_CundallStrack()]),
+    NewtonIntegrator(gravity={gravity}, damping=0.4),{engine}
+]
+O.dt = 1e-6
+{end}
+O.run(1000, True)
+"""
+CLOUD = "sp = pack.SpherePack()\nsp.makeCloud({}, {}, rMean={!r}{})\nsp.toSimulation()\n"
+BOX = "O.bodies.append(geom.facetBox((0.01, 0.01, 0.05), (0.01, 0.01, 0.05), wallMask=31))\n"
+IN_BOX = CLOUD.format((0, 0, 0.01), (0.02, 0.02, 0.09), 1e-3, "{}")
+FILLED = BOX + IN_BOX.format(", num=500")
+
+
+def state(bodies, gravity=(0, 0, -9.81), engine="", end="", angle=0.4):
+    """What check says of the grains of a script."""
+    text = SCRIPT.format(bodies=bodies, gravity=gravity, engine=engine, end=end, angle=angle)
+    said = hl.check(text, speed=0.1).state
+    assert said is not None and said.name == "rest"
+    return said
+
+
+def weight_of(number, radius, area, gravity=9.81):
+    """Pressure of so many grains on an area."""
+    return number * 2500 * 4 / 3 * math.pi * radius**3 * gravity / area
+
+
+@pytest.mark.parametrize("seed", [0, 1, *map(slow, range(2, 8))])
+def test_the_weight_of_grains_between_walls_is_that_over_their_floor(seed):
+    """In a box of facets, of plates, between six walls and in YADE's six boxes around corners, of any axis."""
+    rng = random.Random(seed)
+    half = [rng.uniform(0.01, 0.03) for _ in range(3)]
+    middle = [rng.uniform(-0.1, 0.1) for _ in range(3)]
+    low, high = (tuple(c + sign * h for c, h in zip(middle, half, strict=True)) for sign in (-1, 1))
+    axis, sign = rng.randrange(3), rng.choice((-1, 1))
+    gravity = tuple(sign * 4.0 if k == axis else 0 for k in range(3))
+    area = math.prod(2 * h for k, h in enumerate(half) if k != axis)
+    radius = 0.03 * min(half)
+    number = int(2.5 * area / radius**2)
+    cloud = CLOUD.format("low", "high", radius, f", num=int({number})")
+    corners = f"low, high = Vector3{low}, Vector3{high}\n"
+    plates = ""
+    for k, (end, sign) in [(k, each) for k in range(3) for each in ((low, -1), (high, 1))]:
+        centre = [end[k] + sign * 0.001 if j == k else c for j, c in enumerate(middle)]
+        sizes = [0.001 if j == k else 1.2 * h for j, h in enumerate(half)]
+        plates += f"O.bodies.append(box({centre}, {sizes}, fixed=True))\n"
+    walls = "".join(
+        f"O.bodies.append(wall({end}[{k}], axis={k}))\n" for k in range(3) for end in ("low", "high")
+    )
+    for container in (
+        "O.bodies.append(geom.facetBox(0.5 * (low + high), (high - low) / 2))\n",
+        "O.bodies.append(aabbWalls([low, high], thickness=0.001))\n",
+        walls,
+        plates,
+    ):
+        said = state(corners + container + cloud, gravity)
+        assert said.pressure == pytest.approx(weight_of(number, radius, area, 4.0), rel=1e-9), container
+        assert said.pressure_is_bound
+        assert said.pressure_from == f"below {number} grains on the floor of the box"
+
+
+@pytest.mark.parametrize("segments", [5, 10, 40])
+def test_the_floor_of_a_cylinder_of_facets_is_a_polygon(segments):
+    sizes = f"(0, 0, 0.05), 0.02, 0.1, segmentsNumber={segments}"
+    cylinder = f"O.bodies.append(geom.facetCylinder({sizes}, wallMask={{}}))\n"
+    cloud = CLOUD.format((-0.01, -0.01, 0.01), (0.01, 0.01, 0.09), 5e-4, ", num=3000")
+    corners = [0.02 * cmath.exp(2j * math.pi * k / segments) for k in range(segments)]
+    area = 0.5 * sum((corners[k - 1].conjugate() * corners[k]).imag for k in range(segments))
+    for closed in (cylinder.format(6), cylinder.format(4) + "O.bodies.append(wall(0, 2))\n"):
+        assert state(closed + cloud).pressure == pytest.approx(weight_of(3000, 5e-4, area))
+    assert (
+        "from the floor"
+        in state(cylinder.format(4) + "O.bodies.append(wall(-0.1, 2))\n" + cloud).pressure_from
+    )
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "setBox(0.02, 0.03, 0.2)",
+        "setBox((0.02, 0.03, 0.2))",
+        "hSize = Matrix3(0.02, 0, 0, 0, 0.03, 0, 0, 0, 0.2)",
+    ],
+)
+def test_a_periodic_cell_has_the_weight_on_its_floor_alone(cell):
+    """Nothing beside carries a part of it."""
+    bodies = f"O.periodic = True\nO.cell.{cell}\n{{}}" + CLOUD.format(
+        (0, 0.01, 0.02), (0.02, 0.02, 0.15), 1e-3, ", num=900"
+    )
+    said = state(bodies.format("O.bodies.append(wall((0, 0, 0.01), 2))\n"))
+    assert said.pressure == pytest.approx(weight_of(900, 1e-3, 0.0006)) and not said.pressure_is_bound
+    for floor in ("wall(0.05, 2)", "box((0.01, 0.015, 0.005), (0.008, 0.015, 0.002), fixed=True)"):
+        assert state(bodies.format(f"O.bodies.append({floor})\n")).pressure is None
+
+
+@pytest.mark.parametrize(("bodies", "height"), [
+    (BOX + IN_BOX.format(""), 0.09),
+    ("O.bodies.append(wall(-0.01, 2))\n" + IN_BOX.format(", num=5000"), 0.1),
+    ("O.bodies.append(box((0, 0, 0), (1, 1, 0.02), fixed=True))\n" + IN_BOX.format("").replace("0.01", "0.02"), 0.07),
+    (BOX + IN_BOX.format("").replace("sp.toSimulation()", "for c, r in sp:\n    O.bodies.append(sphere(c, r))"), 0.09),
+    (BOX + "O.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", 0.07),
+    ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k * 1e-2), 2e-3) for k in range(1, 13)])\n", 0.048),
+])  # fmt: skip
+def test_no_bed_is_higher_than_where_its_grains_are_made(bodies, height):
+    """Nor than all of them in one stack."""
+    said = state(bodies, angle=0.4)
+    assert said.pressure == pytest.approx(0.59 * 2500 * 9.81 * height) and said.pressure_is_bound
+    assert ("in one stack" if "range" in bodies else "to where spheres are made") in said.pressure_from
+
+
+CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
+
+
+@pytest.mark.parametrize(("bodies", "engine", "end"), [
+    (FILLED, CALLBACK, "def later():\n    O.bodies.append(wall(0.05, 2))"),
+    (FILLED, CALLBACK, "def later():\n    O.bodies[0].state.vel = (0, 0, -1)"),
+    (FILLED, "\n    PyRunner(command='O.bodies[3].state.pos = (0, 0, 0)', iterPeriod=10),", ""),
+    (FILLED + "top = O.bodies.append(wall(0.095, 2))\n", "", "O.bodies[top].state.vel = (0, 0, -0.1)"),
+    (FILLED, "", "O.forces.addF(3, (0, 0, -10), permanent=True)"),
+    (FILLED.replace("wallMask=31", "wallMask=31, orientation=Quaternion((1, 0, 0), 0.3)"), "", ""),
+    (FILLED.replace("(0.01, 0.01, 0.05), w", "(0.01, float(input()), 0.05), w"), "", ""),
+    (FILLED + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),
+    (FILLED + "O.bodies.append(ymport.text('spheres.txt'))\n", "", ""),
+    (BOX + IN_BOX.format(", num=100"), "", ""),
+    (BOX + "O.bodies.append(pack.regularHexa(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", "", ""),
+    (FILLED, "\n    HydroForceEngine(ids=[7]),", ""),
+    ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 9)])\n", "", ""),
+])  # fmt: skip
+def test_there_is_no_pressure_where_something_is_not_known(bodies, engine, end):
+    """Callbacks that add or move bodies, walls that move, forces, a turned box, files; dense or few grains."""
+    assert state(FILLED).pressure is not None
+    assert state(bodies, engine=engine, end=end).pressure is None
+
+
+@pytest.mark.parametrize("more", [
+    "O.bodies.append(box((0.01, 0.01, 0.02), (0.002, 0.002, 0.02), fixed=True))\n",
+    "O.bodies.append(facet([(0, 0, 0.02), (0.01, 0, 0), (0, 0.01, 0)]))\n",
+    "O.bodies.append(geom.facetBox((0.01, 0.01, 0.03), (0.005, 0.005, 0.01)))\n",
+])  # fmt: skip
+def test_a_floor_with_something_on_it_is_not_used(more):
+    assert "from the floor" in state(FILLED + more).pressure_from
+
+
+def test_the_pressure_is_that_in_yade():
+    """YADE 2023.02a, a box of 16 mm without friction: 234 Pa on the floor, and a mean overlap of 0.0074 % of R in the
+    lowest 4 mm, after 60 000 steps of 10 µs (unbalanced force 0.10).
+    """
+    box = "side = 0.016\nO.bodies.append(geom.facetBox((side/2, side/2, 0.05), (side/2, side/2, 0.05), wallMask=31))\n"
+    said = state(
+        box + CLOUD.format((0, 0, 0.001), (0.016, 0.016, 0.06), 1e-3, ", num=600, seed=1"), angle=0.0
+    )
+    assert said.pressure == pytest.approx(234, rel=0.04) and said.pressure > 234
+    assert said.overlap == pytest.approx(7.4e-5, rel=0.06)
