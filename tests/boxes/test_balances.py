@@ -153,7 +153,9 @@ def test_energy_of_grains_that_rub(name: str, seed: int, law: hl.Law) -> None:
     rough = law.replace(friction=hl.Friction(0.5, stiffness_ratio=0.8))
     run = run_of(name, box_of(seed, rubs=True), rough, 0.01, samples=4, **RUBBING[name])
     if run.outcome_name != "ok":
-        assert run.outcome_name in ("too_deep", "collapse", "at_rest")
+        # By events, clusters that rub for very long end the run: docs/limits.md.
+        ends = ("too_deep", "collapse", "at_rest") + ("unresolved",) * (name == "events")
+        assert run.outcome_name in ends
         return
     assert run.series.rotational_energy.min() > 0.0
     assert energy_error(run) <= ENERGY.get(name, 1e-11)

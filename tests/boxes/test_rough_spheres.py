@@ -270,7 +270,7 @@ def test_tables_in_two_numbers(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_long_run_uses_tables_and_resumes(tmp_path: Path) -> None:
     """From 30000 collisions on. More than 16 sizes, which share a table."""
-    system = start(40, 0.3, radius=(0.8e-3, 1.2e-3), rms_speed=1.0)
+    system = start(2000, 0.3, radius=(0.8e-3, 1.2e-3), rms_speed=1.0)
     settings = {"law": SLOW_IMPACT, "log": True}
     whole = hl.event_driven(system, **settings, max_collisions=31_500)
     hl.event_driven(system, **settings, max_collisions=31_000, checkpoint=tmp_path / "run")
