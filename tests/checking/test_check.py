@@ -1290,7 +1290,7 @@ def test_with_friction_an_answer_has_its_number_or_cannot_be_said(
         assert code != "plain" and not drive and all(row.rule == "law" for row in pairs)
         assert 0.5 <= 3.5 * pairs[0].friction.stiffness_ratio <= 7.0 and mu < 5.0
         value, bar = pairs[0].error["law"]
-        if pairs[0].tc_nu <= 0.3 and not verdict.missing:
+        if pairs[0].tc_nu <= 0.3 and not verdict.missing and len(pairs) == 1:
             assert "same friction" in verdict.sentence or "walls rub" in verdict.sentence
             assert verdict.admissible is not (abs(value) + bar > 0.01)
         assert bar > 0.0 and pairs[0].smooth_error < 0.0
