@@ -229,7 +229,9 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   );
   await goTo(page, "map");
   await at(page, "map");
-  await says(page, "map", /agree to 1 % at (none of the gaps tried|a gap of .*, but not at the widest)/, { timeout: 120_000 });
+  await says(page, "map", /agree to 1 % at (none of the gaps tried|a gap of .*, but not at the widest)/, {
+    timeout: 120_000,
+  });
   await page.selectOption("#map-tolerance", "0.02");
   await says(page, "map", /agree to 2 %; at the present ε that takes a gap above \d[\d.]* cm/, { timeout: 120_000 });
   await page.evaluate(() => document.getElementById("count-other").click()); // above, with the map in sight
