@@ -227,7 +227,7 @@ SCRIPTS = {
 }
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
+@pytest.mark.parametrize("name", [name if i % 4 == 0 else slow(name) for i, name in enumerate(SCRIPTS)])
 def test_check_and_convert_agree_on_the_recorded_scripts(name):
     """ε and contact time, of one density: two grains, a grain and a wall, in LIGGGHTS and YADE."""
     text = re.sub(r"(density *=? *(?:constant )?)[\d.e]+", r"\g<1>2500", SCRIPTS[name])
