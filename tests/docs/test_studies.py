@@ -14,6 +14,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 import hardlimit as hl
+from hardlimit.checking import at_rest
 from hardlimit.plots.style import style
 from legible import assert_legible, coloured
 
@@ -139,6 +140,17 @@ def test_packings_from_runs_to_values(study, monkeypatch) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "power", "used"),
+    [("packing_fraction", 1.0, at_rest.DENSER), ("coordination", 0.5, at_rest.MORE_CONTACTS)],
+)
+def test_check_has_the_softness_of_the_measured_beds(study, name: str, power: float, used: float) -> None:
+    script = study("packings")
+    beds = script.beds(xr.load_dataset(ROOT / "studies" / "packings.nc"))
+    (limit, slope), (_, error) = script.trend(beds, name, power)
+    assert abs(slope / limit - used) <= max(error / limit, 0.05)
+
+
 @pytest.mark.parametrize("name", ["heated_gas", "sheared_gas", "flow_map", "shaken_column", "packings"])
 def test_the_figure_is_drawn_from_the_data(name: str, study) -> None:
     script = study(name)
