@@ -139,7 +139,6 @@ def test_packings_from_runs_to_values(study, monkeypatch) -> None:
         )
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "power", "used"),
     [("packing_fraction", 1.0, at_rest.DENSER), ("coordination", 0.5, at_rest.MORE_CONTACTS)],
@@ -151,6 +150,7 @@ def test_check_has_the_softness_of_the_measured_beds(study, name: str, power: fl
     assert abs(slope / limit - used) <= max(error / limit, 0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["heated_gas", "sheared_gas", "flow_map", "shaken_column", "packings"])
 def test_the_figure_is_drawn_from_the_data(name: str, study) -> None:
     script = study(name)
