@@ -163,13 +163,19 @@ def test_every_error_of_a_contact_is_of_second_order(name, restitution):
     assert restitution < 0.2 or (1.85 < order[0] < 2.4 and errors[0][0] < 1e-3)  # of ε
 
 
-def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
-    """Twelve neighbours each, with the longest allowed step: damping couples them within a step."""
+def close_packed(**values):
+    """Spheres with twelve neighbours each, which overlap a little."""
     cell = 2e-3 * math.sqrt(2.0) * 0.9999
     corners = np.array([[0, 0, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]]) / 2.0
     at = np.concatenate([corners + shift for shift in np.ndindex(3, 3, 3)]) * cell + 0.25 * cell
     velocities = 0.1 * np.random.default_rng(0).normal(size=at.shape)
-    system = hl.ParticleSystem(at, velocities, 1e-3, density=2500.0, box=[3 * cell] * 3, allowed_overlap=0.01)
+    values = {"density": 2500.0, "box": [3 * cell] * 3, "allowed_overlap": 0.01} | values
+    return hl.ParticleSystem(at, velocities, 1e-3, **values)
+
+
+def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
+    """Twelve neighbours each, with the longest allowed step: damping couples them within a step."""
+    system = close_packed()
     for name, restitution in itertools.product(sorted(hl.LAWS), (0.01, 0.1, 0.5)):
         law = law_of(name, restitution, 0.2)
         step = time_step.chosen(system, law, time_step.LARGEST_ERROR, None)
@@ -177,6 +183,32 @@ def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
         assert run.outcome == "ok" and run.energy_error < 0.03
         kinetic = run.series.kinetic_energy.values
         assert kinetic[-1] < 0.01 * kinetic[0]  # except for the motion of the centre of mass
+
+
+def test_steps_are_stable_with_damping_along_the_surfaces():
+    """The longest allowed step is below that of the network of contacts, at most 97 % of it."""
+    draw = np.random.default_rng(1)
+    for _ in range(6):
+        system = close_packed(inertia_factor=draw.uniform(0.1, 0.7))
+        ratios = {
+            "stiffness_ratio": 10.0 ** draw.uniform(-1, 0.3),
+            "damping_ratio": 10.0 ** draw.uniform(-1, 1),
+        }
+        law = hl.LinearDashpot(
+            stiffness=1e4, restitution=10.0 ** draw.uniform(-2, -0.02), friction=hl.Friction(0.5, **ratios)
+        )
+        step = time_step.chosen(system, law, time_step.LARGEST_ERROR, None)
+        assert step < float(hl.measure.largest_stable_time_step(system, law).time_step)
+
+
+def test_damping_along_the_surfaces_does_not_heat_grains():
+    system = close_packed()
+    friction = hl.Friction(5.0, stiffness_ratio=2.0 / 7.0, damping_ratio=1.0)
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.3, friction=friction)
+    step = time_step.chosen(system, law, time_step.LARGEST_ERROR, None)
+    run = molecular_dynamics(system, law=law, until=400 * step, restitution_error=0.05, samples=4)
+    kinetic = run.series.kinetic_energy.values + run.series.rotational_energy.values
+    assert kinetic[-1] < 0.1 * kinetic[0] and run.energy_error < 0.03
 
 
 # --- against independent solutions --------------------------------------------------------------------------
