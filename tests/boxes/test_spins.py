@@ -153,7 +153,7 @@ def test_smooth_grains_keep_their_spins(name: str, d: int, tmp_path: Path) -> No
     assert without.system.angular_velocities is None
     solved(name, system, 0.002, samples=2, checkpoint=path)
     assert np.array_equal(hl.resume(path, until=0.005).system.angular_velocities, system.angular_velocities)
-    if d == 3:
+    if d == 3 and name in (SOLVERS[0], SOLVERS[-1]):  # each kind of result
         assert hl.load(run.save(tmp_path / "run.nc")).system == run.system
 
 

@@ -3,7 +3,6 @@ is read back for every model and contact; what is not understood is quoted with 
 
 import math
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -204,15 +203,21 @@ def test_walls_are_told_apart_by_their_names(name, after, choices):
 # --- one reader ------------------------------------------------------------------------------------------------
 
 
-def rows_and_back(text, name, speed):
+def rows_and_back(verdict, text, speed):
     """Each contact of a script as ``check`` has it and as ``convert_back`` does, if both grains move."""
-    still = {grains.type for grains in read(text, code=name).stages[-1].grains.values() if grains.frozen}
-    for row in hl.check(text, code=name, speed=speed).rows:
-        known = row.restitution is not None and row.density is not None
-        if known and row.wall != "fixed" and not still & {*row.types}:
-            balls = [hl.Ball(r, density=row.density) for r in (row.radius, row.other_radius) if r is not None]
+    name = verdict.code
+    grains = read(text, code=name).stages[-1].grains
+    frozen = {each.type for each in grains.values() if each.frozen}
+    density = {each.type: each.densities[0] for each in grains.values()} if name == "yade" else {}  # kg/m³
+    density |= {row.types[0]: row.density for row in verdict.rows}
+    for row in verdict.rows:
+        wall = row.types[1] == "wall"
+        densities = [density.get(kind) for kind in row.types[: 2 - wall]]
+        known = row.restitution is not None and None not in densities
+        if known and row.wall != "fixed" and not frozen & {*row.types}:
+            sizes = zip((row.radius, row.other_radius), densities, strict=False)
+            balls = [hl.Ball(radius, density=value) for radius, value in sizes]
             ends = [str(int(x) + 1) if name == "yade" and x.isdecimal() else x for x in row.types]
-            wall = ends[1] == "wall"
             options = {
                 "other": hl.FLOOR if wall else balls[-1],
                 "speed": row.speed or speed,
@@ -221,32 +226,17 @@ def rows_and_back(text, name, speed):
             yield row, back(text, name, balls[0], **options)
 
 
-SCRIPTS = {
-    table["name"]: table["text"]
-    for table in tomllib.loads((HERE / "data/two_grains.toml").read_text(encoding="utf-8"))["script"]
-}
-
-
-@pytest.mark.parametrize("name", [name if i % 4 == 0 else slow(name) for i, name in enumerate(SCRIPTS)])
-def test_check_and_convert_agree_on_the_recorded_scripts(name):
-    """ε and contact time, of one density: two grains, a grain and a wall, in LIGGGHTS and YADE."""
-    text = re.sub(r"(density *=? *(?:constant )?)[\d.e]+", r"\g<1>2500", SCRIPTS[name])
-    for row, obtained in rows_and_back(text, name.split()[0], 0.5):
-        assert obtained.restitution == pytest.approx(row.restitution, rel=1e-9), row
-        assert obtained.duration == pytest.approx(row.duration, rel=1e-9), row
-
-
 @pytest.mark.parametrize("seed", [seed if seed < 6 else slow(seed) for seed in range(40)])
 @pytest.mark.parametrize("name", ["lammps", "liggghts"])
 def test_check_and_convert_agree_on_random_scripts(name, seed):
     """Where the newest version has another force, ``check`` has that of the version before as well."""
     script = Written(seed)
     getattr(script, name)()
-    for row, obtained in rows_and_back(script.text(), name, 1.0):
-        if row.types[1] in (row.types[0], "wall"):  # otherwise, the second density is not in the row
-            older = row.other_versions[0] if obtained.notes else row
-            assert obtained.restitution == pytest.approx(older.restitution, rel=1e-9), row
-            assert obtained.duration == pytest.approx(older.duration, rel=1e-9), row
+    text = script.text()
+    for row, obtained in rows_and_back(hl.check(text, code=name, speed=1.0), text, 1.0):
+        older = row.other_versions[0] if obtained.notes else row
+        assert obtained.restitution == pytest.approx(older.restitution, rel=1e-9), row
+        assert obtained.duration == pytest.approx(older.duration, rel=1e-9), row
 
 
 # --- the words of LAMMPS and LIGGGHTS ---------------------------------------------------------------------------

@@ -88,6 +88,8 @@ class Surroundings:
 
 #: The force between two bodies, the second of which is None at a wall, at an impact speed.
 MakeForce = Callable[[KnownBody, KnownBody | None, float], Force]
+#: Two bodies, the second None at a wall, and a speed [m/s].
+Trial = tuple[KnownBody, KnownBody | None, float]
 
 
 @dataclass(frozen=True)
@@ -195,16 +197,7 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     )
     if case.force is None:
         return row
-    bodies = (case.first, case.second or case.first)
-    known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
-    tried = [
-        (
-            case.first.tried(k),
-            None if case.second is None else case.second.tried(k),
-            TRIALS["speed"][k] if speed is None else speed,
-        )
-        for k in range(1 if known else len(TRIALS["speed"]))
-    ]
+    tried = _trials(case, speed)
     results = [_results(case, *trial, gas) for trial in tried]
     kept: dict[str, Any] = {name: _agreed([result.get(name) for result in results]) for name in results[0]}
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in KNOWN_RULES if rule in kept}
@@ -227,6 +220,31 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     return replace(row, **kept, error={rule: pair for rule, pair in errors.items() if None not in pair})
 
 
+def _trials(case: Case, speed: float | None) -> list[Trial]:
+    """Bodies and speed; several where something of them is not known."""
+    bodies = (case.first, case.second or case.first)
+    known = speed is not None and all(body.radius is not None and body.mass is not None for body in bodies)
+    return [
+        (
+            case.first.tried(k),
+            None if case.second is None else case.second.tried(k),
+            TRIALS["speed"][k] if speed is None else speed,
+        )
+        for k in range(1 if known else len(TRIALS["speed"]))
+    ]
+
+
+def restitution(case: Case, speed: float | None) -> float | None:
+    """ε at this speed; None if it depends on something that is not known."""
+    force, damping = case.force, case.numerical_damping
+    if force is None:
+        return None
+    epsilon: float | None = _agreed(
+        [collision_of(force(*trial), trial[2], damping).restitution for trial in _trials(case, speed)]
+    )
+    return epsilon
+
+
 def _friction(
     case: Case, first: KnownBody, second: KnownBody | None, speed: float, dimension: int
 ) -> dict[str, Any]:
@@ -242,9 +260,7 @@ def _friction(
     return results
 
 
-def _other_version(
-    case: Case, before: str, make: MakeForce, tried: Sequence[tuple[KnownBody, KnownBody | None, float]]
-) -> OtherVersion:
+def _other_version(case: Case, before: str, make: MakeForce, tried: Sequence[Trial]) -> OtherVersion:
     collisions = [collision_of(make(*trial), trial[2], case.numerical_damping) for trial in tried]
     return OtherVersion(
         before, _agreed([c.restitution for c in collisions]), _agreed([c.duration for c in collisions])

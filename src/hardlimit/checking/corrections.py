@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from ..convert import texts
 from ..support.formatting import digits
 from .cases import FIXED, ModelForce
-from .contacts import Case, CheckedContact, Surroundings, examine
+from .contacts import Case, CheckedContact, restitution
 from .scripts import Setting
 from .scripts.formulas import NUMBER
 
@@ -47,7 +47,9 @@ def lines(
     lines = dict.fromkeys(_numbers(examined))
     wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
     damped = bool(wanted and examined[-1][0].numerical_damping)
-    then = span(wanted) if any(not line.startswith("#") for line in lines) else undamped(examined)
+    then = None
+    if damped:
+        then = span(wanted) if any(not line.startswith("#") for line in lines) else undamped(examined)
     step = STEP.get(code, "timestep {}")
     if largest is not None:
         own = [case.time_step for case, _ in examined if case.time_step is not None]
@@ -57,19 +59,16 @@ def lines(
         steps := [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
     ):
         lines[step.format(texts.rounded_down(min(steps)))] = None
-    if damped and then is not None and float(then.split()[-1]) < 1.0:
+    if then is not None and float(then.split()[-1]) < 1.0:
         lines[DAMPED.format(then)] = None
     return list(lines)
 
 
 def undamped(examined: Examined) -> str | None:
     """ε without numerical damping; None if it is not known."""
-    rows = [
-        examine(replace(case, numerical_damping=None), [row.speed], Surroundings())[0]
-        for case, row in examined
-    ]
-    epsilons = [row.restitution for row in rows if row.restitution is not None]
-    return span(epsilons) if epsilons and len(epsilons) == len(rows) else None
+    epsilons = [restitution(replace(case, numerical_damping=None), row.speed) for case, row in examined]
+    known = [epsilon for epsilon in epsilons if epsilon is not None]
+    return span(known) if known and len(known) == len(epsilons) else None
 
 
 def span(values: Sequence[float]) -> str:

@@ -92,8 +92,13 @@ class Force:
     def force(self, compression: Floats, rate: Floats) -> Floats:
         """Force [N], positive if repulsive, in the same shape."""
         p, q = 0.25 * self.powers.elastic, 0.25 * self.powers.damping
-        push = self.stiffness * compression**p + self.damping * compression**q * rate
-        return np.where(compression > 0.0, push if self.powers.attracts else np.maximum(push, 0.0), 0.0)
+        push = self.stiffness * compression**p
+        if self.damping != 0.0:
+            push += self.damping * compression**q * rate
+        if not self.powers.attracts:
+            np.maximum(push, 0.0, out=push)
+        push[compression <= 0.0] = 0.0
+        return push
 
     def restitution(self, speed: Floats) -> Floats:
         """Restitution at each speed [m/s]."""
@@ -105,8 +110,7 @@ class Force:
 
     def longest_step(self, speed: float, error: float) -> float:
         """The longest time step [s] with an error of ε of at most ``error``; NaN if the bodies stay together."""
-        # Rounding lets pairs and codes with the same damping share one search.
-        damping = float(f"{self.relative_damping(speed):.10g}")
+        damping = _rounded(self.relative_damping(speed))
         return float(self.scales(speed)[1] * _longest_step(self.powers, damping, error))
 
     def error_of_step(self, speed: float, time_step: float) -> float:
@@ -116,13 +120,11 @@ class Force:
             return math.nan
         # Beyond the largest number of steps tried, the error is taken as proportional to the step.
         tried = max(time_step, collision.duration / integration_error.MAX_STEPS)
-        with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
-            error = self._error_of_step(speed, tried)
-        return float(error * time_step / tried)
+        return self._error_of_step(speed, tried) * time_step / tried
 
     def _error_of_step(self, speed: float, time_step: float) -> float:
-        scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
-        return integration_error.restitution_error(scaled, 1.0, time_step / self.scales(speed)[1])
+        damping, unit = _rounded(self.relative_damping(speed)), self.scales(speed)[1]
+        return _error_of_step(Force(self.powers, 1.0, damping, 1.0), 1.0, _rounded(time_step / unit))
 
     def scales(self, speed: float) -> tuple[float, float]:
         """Units of length [m] and time [s] of a collision, in which K, the mass and the speed are 1."""
@@ -177,7 +179,7 @@ class AdhesiveForce(Force):
         return float(integration_error.longest_step(self, speed, error))
 
     def _error_of_step(self, speed: float, time_step: float) -> float:
-        return integration_error.restitution_error(self, speed, time_step)
+        return _error_of_step(self, speed, time_step)
 
 
 @dataclass(frozen=True)
@@ -244,6 +246,17 @@ def _adhesive_collision(force: AdhesiveForce, speed: float) -> Collision:
 def damping_for(powers: Powers, restitution: float) -> float:
     """The relative damping with this restitution in (0, 1]."""
     return float(_core.power_damping(*powers.arguments, restitution))
+
+
+def _rounded(value: float) -> float:
+    """The value to ten digits, so that pairs, stages and codes with the same number share one computation."""
+    return float(f"{value:.10g}")
+
+
+@lru_cache(maxsize=1024)
+def _error_of_step(force: Force, speed: float, time_step: float) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):  # a contact that gains energy without end
+        return integration_error.restitution_error(force, speed, time_step)
 
 
 @lru_cache(maxsize=1024)

@@ -241,9 +241,13 @@ def result(
     target = checked("path", path, [".nc"])
     text = json.dumps(header, default=lambda value: value.item()).encode()
     parts = {**arrays, HEADER: np.frombuffer(text, np.uint8)}
-    dims = {name: [f"{name}_{i}" for i in range(np.ndim(array))] for name, array in parts.items()}
-    state = xr.Dataset({name: (dims[name], np.asarray(array)) for name, array in parts.items()})
+    state = xr.Dataset({name: (_dims(np.shape(array)), np.asarray(array)) for name, array in parts.items()})
     return groups({**datasets, "/": mark(datasets["/"], kind), STATE: state}, target)
+
+
+def _dims(shape: tuple[int, ...]) -> list[str]:
+    """Names of dimensions: those of the same length are shared, since each takes time to write and to read."""
+    return [f"size_{n}" + f"_{shape[:i].count(n)}" * (n in shape[:i]) for i, n in enumerate(shape)]
 
 
 def mark(root: xr.Dataset, kind: str) -> xr.Dataset:
@@ -283,13 +287,17 @@ def read(path: Path) -> Saved:
 
     Raises a ValueError in one line for any other file, and a FileNotFoundError if there is none.
     """
+    import h5netcdf
     import xarray as xr
 
     try:
         os.stat(path)
-        with xr.open_dataset(path, engine="h5netcdf") as root:
-            attributes, empty = dict(root.attrs), not root.data_vars
+        with h5netcdf.File(path, decode_vlen_strings=True) as file:
+            attributes = dict(file.attrs)
         kind, _, version = attributes.pop(RESULT, f" {FORMAT}").partition(" ")
+        if not kind:
+            with xr.open_dataset(path, engine="h5netcdf") as root:
+                empty = not root.data_vars
     except OSError as error:
         if error.strerror and error.errno:
             raise validation.unreadable(path, error) from None

@@ -19,6 +19,9 @@ from ...contact.friction import LIMITS, FrictionTerms
 #: between these phases it is at most a few per cent larger.
 PHASES: Final = (np.arange(128) + 0.6) / 128
 BETWEEN: Final = 1.03
+#: After so many steps it is tested whether all contacts have ended. Further steps do not change a contact that has: an
+#: attractive force, too, lasts until the bodies separate.
+LOOK: Final = 8
 MIN_STEPS: Final = 10  #: smallest number of steps per contact, as for engine "steps"
 #: Largest number of steps per contact that is tested. Beyond it the error is assumed proportional to the step.
 MAX_STEPS: Final = 2000
@@ -32,19 +35,25 @@ MAX_FRICTION_STEPS: Final = 400
 
 def restitution_error(contact: Any, speed: float, time_step: float) -> float:
     """The largest error of ε over all phases of the first touch; infinite if a contact does not end."""
-    compression, rate = speed * time_step * PHASES, np.full(len(PHASES), speed)
+    return float(_restitution_errors(contact, speed, np.array([time_step]))[0])
+
+
+def _restitution_errors(contact: Any, speed: float, time_steps: Floats) -> Floats:
+    """The largest error of ε with each time step [s]: the contacts of all steps and phases are computed together."""
+    time_step = np.repeat(time_steps, len(PHASES))
+    compression, rate = speed * time_step * np.tile(PHASES, len(time_steps)), np.full(len(time_step), speed)
     over_mass = time_step / contact.effective_mass
-    steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
-    for _ in range(4 * steps + 100):
+    steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_steps.min())
+    for step in range(4 * steps + 100):
         force = contact.force(np.maximum(compression, 0.0), rate)
-        if not np.any((force != 0.0) | (rate > 0.0)):  # an attractive force lasts until the bodies separate
+        if step % LOOK == 0 and not np.any((force != 0.0) | (rate > 0.0)):
             break
         rate = rate - force * over_mass
         compression = compression + rate * time_step
-    else:
-        return math.inf
     exact = float(contact.restitution(np.array([speed]))[0])
-    return float(np.abs(-rate / speed - exact).max())
+    error = np.where((force != 0.0) | (rate > 0.0), math.inf, np.abs(-rate / speed - exact))
+    largest: Floats = error.reshape(len(time_steps), -1).max(axis=1)
+    return largest
 
 
 def tangential_restitution(
@@ -64,10 +73,10 @@ def tangential_restitution(
     slip_rate = np.repeat(np.asarray(tangential_speeds)[None, :], len(FEW_PHASES), axis=0)
     elastic, before = np.zeros_like(slip_rate), np.zeros_like(compression)
     steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
-    for _ in range(4 * steps + 100):
+    for step in range(4 * steps + 100):
         depth = np.maximum(compression, 0.0)
         force = contact.force(depth, rate)
-        if not np.any((force != 0.0) | (rate > 0.0)):
+        if step % LOOK == 0 and not np.any((force != 0.0) | (rate > 0.0)):
             return -slip_rate / tangential_speeds
         elastic = elastic * np.reshape(_kept(friction, before, depth), (-1, 1))
         columns = slip_rate, depth[:, None], np.abs(force)[:, None]
@@ -116,7 +125,7 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
 
     def largest_error(steps: float) -> float:
         # The error is not monotonic in the step, so slightly shorter steps are tested as well.
-        return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in TESTED * steps)
+        return float(BETWEEN * _restitution_errors(contact, speed, duration / (TESTED * steps)).max())
 
     steps = float(MIN_STEPS)
     while (worst := largest_error(steps)) > error:
