@@ -128,13 +128,22 @@ struct Drop {
     }
 };
 
+// A drop in shared memory, with an odd number of words of eight bytes: the places of a half warp then begin in different
+// pairs of banks. With the 24 words of a drop they would begin in two of the sixteen pairs.
+struct Slot {
+    Drop drop;
+    u64 unused;
+};
+static_assert(sizeof(Slot) / 8 % 2 == 1);
+
 // The drops of a block.
 struct Pool {
-    Drop drop[pool_size];
+    Slot slot[pool_size];
     Step waits_for[pool_size];
     unsigned char chosen[block];
     int waiting[none + 1], taken;
 };
+static_assert(sizeof(Pool) + 8 <= 48 * 1024);
 
 // The step that most of the pool wait for; `none` when all is done.
 __device__ inline Step most_wanted(Pool& pool) {
@@ -195,7 +204,7 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit:
         Step next = none;  // the queue is empty
         bool solves = now != vacant;
         if (solves) {
-            drop = pool.drop[mine];
+            drop = pool.slot[mine].drop;
         } else if (point < task->count) {
             drop.point = static_cast<unsigned>(point);
             solves = drop.take(*task);
@@ -203,7 +212,7 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit:
             next = vacant;
         }
         if (solves) next = drop.advance(*task, now == vacant);
-        if (next < vacant) pool.drop[mine] = drop;
+        if (next < vacant) pool.slot[mine].drop = drop;
         pool.waits_for[mine] = next;
     }
 }
