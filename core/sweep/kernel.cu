@@ -15,7 +15,8 @@ struct Task {
     // Value of parameter i at a point: values[i][(point / stride[i]) % size[i]].
     const double* values[parameter_count];
     u64 stride[parameter_count], size[parameter_count];
-    double* ratio[2];  // b = β/ω0 of floor and pair for each ε among their values
+    double*
+        ratio[2];  // b = β/ω0 of floor and pair for each ε among their values; equal if these are the same
     i64 adiabatic, density_1, density_2, restitution_at;
     // Results; null: not wanted, except the outcome.
     unsigned char *n_contacts, *outcome;
@@ -220,7 +221,8 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit:
 // b of every ε among the values of floor and pair.
 extern "C" __global__ void damping_ratios(Task* task) {
     using namespace hardlimit::sweep;
-    for (int side = 0; side < 2; ++side) {
+    const int sides = task->ratio[1] == task->ratio[0] ? 1 : 2;
+    for (int side = 0; side < sides; ++side) {
         const int i =
             geometry_count + side * hardlimit::max_parameters + static_cast<int>(task->restitution_at);
         for (hardlimit::u64 k = threadIdx.x + blockIdx.x * blockDim.x; k < task->size[i];
