@@ -15,8 +15,8 @@ struct Task {
     // Value of parameter i at a point: values[i][(point / stride[i]) % size[i]].
     const double* values[parameter_count];
     u64 stride[parameter_count], size[parameter_count];
-    double*
-        ratio[2];  // b = β/ω0 of floor and pair for each ε among their values; equal if these are the same
+    // b = β/ω0 of floor and pair for each ε among their values; one list if these are the same.
+    double* ratio[2];
     i64 adiabatic, density_1, density_2, restitution_at;
     // Results; null: not wanted, except the outcome.
     unsigned char *n_contacts, *outcome;
