@@ -15,7 +15,8 @@ struct Task {
     // Value of parameter i at a point: values[i][(point / stride[i]) % size[i]].
     const double* values[parameter_count];
     u64 stride[parameter_count], size[parameter_count];
-    double* ratio[2];  // b = β/ω0 of floor and pair for each ε among their values
+    // b = β/ω0 of floor and pair for each ε among their values; one list if these are the same.
+    double* ratio[2];
     i64 adiabatic, density_1, density_2, restitution_at;
     // Results; null: not wanted, except the outcome.
     unsigned char *n_contacts, *outcome;
@@ -128,13 +129,22 @@ struct Drop {
     }
 };
 
+// A drop in shared memory, with an odd number of words of eight bytes: the places of a half warp then begin in different
+// pairs of banks. With the 24 words of a drop they would begin in two of the sixteen pairs.
+struct Slot {
+    Drop drop;
+    u64 unused;
+};
+static_assert(sizeof(Slot) / 8 % 2 == 1);
+
 // The drops of a block.
 struct Pool {
-    Drop drop[pool_size];
+    Slot slot[pool_size];
     Step waits_for[pool_size];
     unsigned char chosen[block];
     int waiting[none + 1], taken;
 };
+static_assert(sizeof(Pool) + 8 <= 48 * 1024);
 
 // The step that most of the pool wait for; `none` when all is done.
 __device__ inline Step most_wanted(Pool& pool) {
@@ -195,7 +205,7 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit:
         Step next = none;  // the queue is empty
         bool solves = now != vacant;
         if (solves) {
-            drop = pool.drop[mine];
+            drop = pool.slot[mine].drop;
         } else if (point < task->count) {
             drop.point = static_cast<unsigned>(point);
             solves = drop.take(*task);
@@ -203,7 +213,7 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit:
             next = vacant;
         }
         if (solves) next = drop.advance(*task, now == vacant);
-        if (next < vacant) pool.drop[mine] = drop;
+        if (next < vacant) pool.slot[mine].drop = drop;
         pool.waits_for[mine] = next;
     }
 }
@@ -211,7 +221,8 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block, hardlimit:
 // b of every ε among the values of floor and pair.
 extern "C" __global__ void damping_ratios(Task* task) {
     using namespace hardlimit::sweep;
-    for (int side = 0; side < 2; ++side) {
+    const int sides = task->ratio[1] == task->ratio[0] ? 1 : 2;
+    for (int side = 0; side < sides; ++side) {
         const int i =
             geometry_count + side * hardlimit::max_parameters + static_cast<int>(task->restitution_at);
         for (hardlimit::u64 k = threadIdx.x + blockIdx.x * blockDim.x; k < task->size[i];

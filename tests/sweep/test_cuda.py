@@ -163,6 +163,15 @@ def test_a_block_returns_the_bits_of_the_processor(library: Path, name: str) -> 
     assert same_chunks(emulated(library, plan), plan.compute(0, plan.size, 1))
 
 
+def test_equal_values_are_written_once() -> None:
+    points = {"restitution": np.linspace(0.3, 1.0, 900), "gap": np.geomspace(1e-7, 1e-1, 900)}
+    plan = plan_of(**{name: xr.DataArray(v, dims="point") for name, v in points.items()})
+    room = cuda.input_words(plan, 900) - cuda.TASK_FIELDS
+    assert 3 * 900 <= room < 3 * 900 + len(plan.values)  # with one ratio for each ε of floor and pair
+    words = np.zeros(cuda.TASK_FIELDS + room, np.uint64)
+    cuda.write_task(plan, words, 0, {})
+
+
 @pytest.mark.parametrize(
     ("swept", "room"),
     [(GRID, 350_000), pytest.param(MAPS["list"], 430_000, marks=pytest.mark.slow)],

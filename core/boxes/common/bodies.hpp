@@ -1,5 +1,6 @@
 // Body arrays of the time-stepping engine for Newton's equations, and their vector type.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,6 +21,9 @@ inline Double4 cross(Double4 a, Double4 b) {
     return Double4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0};
 }
 
+inline std::array<double, 3> first_three(Double4 a) { return {a[0], a[1], a[2]}; }
+inline Double4 double4(const double* three) { return Double4{three[0], three[1], three[2], 0.0}; }
+
 // The array as doubles, four for each element.
 inline double* as_doubles(Records<Double4>& of) { return reinterpret_cast<double*>(of.data()); }
 inline const double* as_doubles(const Records<Double4>& of) {
@@ -38,24 +42,24 @@ struct ContactAcceleration {
     double before[3] = {};  // [m/s²] at step `step` − 1
     std::uint64_t unused = 0;
 
-    Double4 at(std::uint64_t wanted) const {
-        return step == wanted ? Double4{now[0], now[1], now[2], 0.0} : Double4{};
-    }
+    // Three components; a compiler would pass a vector that depends on a condition through memory.
+    const double* at(std::uint64_t wanted) const { return step == wanted ? now : none; }
     // Acceleration at the step before `current`, whether or not contacts of step `current` have been added.
-    Double4 previous(std::uint64_t current) const {
-        return step == current ? Double4{before[0], before[1], before[2], 0.0} : at(current - 1);
-    }
+    const double* previous(std::uint64_t current) const { return step == current ? before : at(current - 1); }
     // Returns whether this is the first contribution at this step.
     bool add(std::uint64_t current, Double4 acceleration) {
         const bool first = step != current;
         if (first) {
-            const Double4 last = at(current - 1);
+            const double* last = at(current - 1);
             for (int axis = 0; axis < 3; ++axis) before[axis] = last[axis], now[axis] = 0.0;
             step = current;
         }
         for (int axis = 0; axis < 3; ++axis) now[axis] += acceleration[axis];
         return first;
     }
+
+private:
+    static constexpr double none[3] = {};
 };
 
 struct BodyTag {

@@ -28,7 +28,7 @@ public:
     // May end the run.
     void collide(u32 i, u32 j) {
         Particle<d>&p = particles_.paths[i], &q = particles_.paths[j];
-        if (particles_.rotates()) prefetch(&particles_.spins[i]), prefetch(&particles_.spins[j]);
+        if (particles_.rotates()) prefetch_near(&particles_.spins[i]), prefetch_near(&particles_.spins[j]);
         const double waited_i = particles_.now - p.time, waited_j = particles_.now - q.time;
         particles_.advance_to_now(i);
         particles_.advance_to_now(j);

@@ -45,8 +45,8 @@ private:
 
     void fetch_spins(u32 id) const {
         const u32 partner = particles_.pending[id].partner;
-        prefetch(&particles_.spins[id]);
-        if (partner != no_particle) prefetch(&particles_.spins[partner]);
+        prefetch_near(&particles_.spins[id]);
+        if (partner != no_particle) prefetch_near(&particles_.spins[partner]);
     }
     auto time() const {
         return [this](u32 id) { return particles_.pending[id].time(); };

@@ -201,11 +201,11 @@ private:
     Double4 velocity_of(std::size_t i) const {
         if (!paused_) return bodies_.velocity[i];
         return bodies_.velocity[i] +
-               (bodies_.acceleration[i].at(now_.step) + gravity_of(box_)) * (0.5 * plan_.h);
+               (double4(bodies_.acceleration[i].at(now_.step)) + gravity_of(box_)) * (0.5 * plan_.h);
     }
     Double4 spin_of(std::size_t i) const {
         if (!paused_) return bodies_.spin[i];
-        return bodies_.spin[i] + bodies_.angular_acceleration[i].at(now_.step) * (0.5 * plan_.h);
+        return bodies_.spin[i] + double4(bodies_.angular_acceleration[i].at(now_.step)) * (0.5 * plan_.h);
     }
     void include_speed(std::size_t i) {
         const Double4 v = velocity_from_flow(box_, bodies_, i);

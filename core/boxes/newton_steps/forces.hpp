@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "../common/pair_laws.hpp"
+#include "../common/triangle.hpp"
 #include "slab.hpp"
 
 namespace hardlimit::boxes::steps {
@@ -109,13 +110,15 @@ private:
     HL_FN_APART void pair_contact(Slab<Law>& slab, std::int32_t& slot, NeighbourPair p, Double4 separation,
                                   double reach) {
         const std::uint32_t i = p.first, j = p.second();
+        if constexpr (FrictionalLaw<Law>) fetch_rotation(i), fetch_rotation(j);
         const double distance = math::sqrt(dot(separation, separation));
         const Double4 normal = separation * (1.0 / distance);
         Double4 v = bodies_.velocity[j] - bodies_.velocity[i];
         const double image_velocity = grid_.velocity(p.image());
         if (image_velocity != 0.0) v[0] += image_velocity;
-        const Double4 a =
-            bodies_.acceleration[j].previous(now_.step) - bodies_.acceleration[i].previous(now_.step);
+        const double *last_i = bodies_.acceleration[i].previous(now_.step),
+                     *last_j = bodies_.acceleration[j].previous(now_.step);
+        const Double4 a = double4(last_j[0] - last_i[0], last_j[1] - last_i[1], last_j[2] - last_i[2], 0.0);
         const auto number = static_cast<std::int32_t>(bodies_.tag[j].original_index);
         update_contact(slab, slot,
                        {i, j, number, p.image(), normal, distance, reach, v, a, 0.0, image_velocity},
@@ -131,7 +134,7 @@ private:
         const double lag = now_.velocity_lag, mean = wall.mean_velocity(now_.time, now_.h);
         const double before = lag > 0.0 ? wall.mean_velocity(now_.time - 2.0 * lag, now_.h) : mean;
         v[w.wall.axis()] += 0.5 * (before + mean);
-        Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
+        Double4 a = -double4(bodies_.acceleration[i].previous(now_.step)) - gravity_of(box_);
         if (lag > 0.0) a[w.wall.axis()] += 0.5 * (mean - before) / lag;
         const double reach = bodies_.position[i][3];
         update_contact(slab, slot,
@@ -302,22 +305,30 @@ private:
         return turns;
     }
     // Velocity of the second surface relative to the first [m/s] a time `ago` [s] before this step, in the plane across
-    // the present normal. Velocities advance by `lag` [s] with the accelerations of the step before.
+    // the present normal. Velocities advance by `lag` [s] with the accelerations of the step before. In scalars, as
+    // drift() is.
     Double4 sliding_velocity(const RelativeMotion& m, double ago, double lag) const {
-        Double4 normal = m.normal;
+        const Vector3 now = first_three(m.normal), v = first_three(m.velocity);
+        const bool wall = m.second == no_body;
+        Vector3 normal = now, turning, g;
         double distance = m.distance;
-        if (m.second != no_body && ago > 0.0) {
-            normal = m.normal * m.distance - m.velocity * ago;
-            normal[3] = 0.0;
+        if (!wall && ago > 0.0) {
+            for (std::size_t k = 0; k < 3; ++k) normal[k] = now[k] * distance - v[k] * ago;
             distance = math::sqrt(dot(normal, normal));
-            normal *= 1.0 / distance;
+            const double inverse = 1.0 / distance;
+            for (double& n : normal) n *= inverse;
         }
         const Arms arm = arms(bodies_, m.first, m.second, distance);
-        Double4 turning = spin(m.first, lag) * arm.first;
-        if (m.second != no_body) turning += spin(m.second, lag) * arm.second;
-        Double4 g = m.velocity + m.acceleration * lag - cross(turning, normal);
-        g[3] = 0.0;  // the inverse masses
-        return turned(g - normal * dot(g, normal), normal, m.normal);
+        for (std::size_t k = 0; k < 3; ++k) turning[k] = spin(m.first, k, lag) * arm.first;
+        if (!wall)
+            for (std::size_t k = 0; k < 3; ++k) turning[k] += spin(m.second, k, lag) * arm.second;
+        const Vector3 across = cross(turning, normal);
+        for (std::size_t k = 0; k < 3; ++k) g[k] = v[k] + m.acceleration[k] * lag - across[k];
+        const double along = dot(g, normal);
+        for (std::size_t k = 0; k < 3; ++k) g[k] = g[k] - normal[k] * along;
+        const double share = dot(g, now) / (1.0 + dot(normal, now));  // as in turned()
+        for (std::size_t k = 0; k < 3; ++k) g[k] = g[k] - (normal[k] + now[k]) * share;
+        return double4(g[0], g[1], g[2], 0.0);
     }
     // Velocity by which a newton of tangential force changes that of the surfaces in a second [1/kg].
     double inverse_tangential_mass(const RelativeMotion& m) const {
@@ -387,9 +398,12 @@ private:
         accelerate(slab, j, force * bodies_.velocity[j][3]);
         bodies_.angular_acceleration[j].add(now_.step, turns.second);
     }
-    // Angular velocity [rad/s], from the torques of the step before.
-    Double4 spin(std::uint32_t body, double lag) const {
-        return bodies_.spin[body] + bodies_.angular_acceleration[body].previous(now_.step) * lag;
+    void fetch_rotation(std::uint32_t body) const {
+        prefetch(&bodies_.spin[body]), prefetch(&bodies_.angular_acceleration[body]);
+    }
+    // Component of the angular velocity [rad/s], from the torques of the step before.
+    double spin(std::uint32_t body, std::size_t axis, double lag) const {
+        return bodies_.spin[body][axis] + bodies_.angular_acceleration[body].previous(now_.step)[axis] * lag;
     }
     void accelerate(Slab<Law>& slab, std::uint32_t body, Double4 acceleration) {
         if (bodies_.acceleration[body].add(now_.step, acceleration))

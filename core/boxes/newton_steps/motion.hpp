@@ -17,8 +17,9 @@ template <class Law>
 void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box& box, std::uint64_t step,
           double kick) {
     const auto accelerate = [&](std::uint32_t i) {
-        change_velocity(slab, bodies, box, i, bodies.acceleration[i].at(step) * kick);
-        if constexpr (FrictionalLaw<Law>) bodies.spin[i] += bodies.angular_acceleration[i].at(step) * kick;
+        change_velocity(slab, bodies, box, i, double4(bodies.acceleration[i].at(step)) * kick);
+        if constexpr (FrictionalLaw<Law>)
+            bodies.spin[i] += double4(bodies.angular_acceleration[i].at(step)) * kick;
     };
     for (const std::uint32_t i : slab.accelerated) accelerate(i);
     for (const std::uint32_t i : previous.accelerated_next)

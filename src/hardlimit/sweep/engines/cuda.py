@@ -126,8 +126,7 @@ class Slot:
         self.gpu = gpu
         self.kept = _kept(plan)
         self.stream = gpu.stream()
-        most = sum(min(len(v), points) for v in plan.values)
-        self.inputs = gpu.memory(8 * (TASK_FIELDS + 2 * most), self.stream)
+        self.inputs = gpu.memory(8 * input_words(plan, points), self.stream)
         self.results = gpu.memory(sum(_bytes(name, points) for name in self.kept), self.stream)
         self.count = 0
 
@@ -166,6 +165,21 @@ def _bytes(name: str, points: int) -> int:
     return -(-points * np.dtype(VARIABLES[name].dtype).itemsize // 8) * 8
 
 
+def _restitutions(plan: Plan) -> list[int]:
+    """Parameters that are coefficients of restitution: of the floor and of the pair."""
+    places = [_core.law_place(side, 2) + plan.restitution_at for side in range(2)]
+    return places if plan.restitution_at >= 0 else []
+
+
+def input_words(plan: Plan, points: int) -> int:
+    """64-bit words of the Task of a piece of so many points, with its values and ratios."""
+    keys = [
+        (v.__array_interface__["data"][0], len(v), s) for v, s in zip(plan.values, plan.strides, strict=True)
+    ]
+    lists = [*set(keys), *{keys[i] for i in _restitutions(plan)}]
+    return TASK_FIELDS + sum(min(length, points) for _, length, _ in lists)
+
+
 def write_task(plan: Plan, words: NDArray[np.uint64], address: int, results: dict[str, int]) -> None:
     """Write the kernel's Task, followed by the values, to the host's copy of the memory at ``address``."""
     end = TASK_FIELDS
@@ -179,10 +193,12 @@ def write_task(plan: Plan, words: NDArray[np.uint64], address: int, results: dic
             end += len(v)
         values.append(address + 8 * written[key])
     ratios = [0, 0]
-    if plan.restitution_at >= 0:
-        for side in range(2):
-            ratios[side] = address + 8 * end
-            end += len(plan.values[_core.law_place(side, 2) + plan.restitution_at])
+    known: dict[int, int] = {}  # address of the ratios by that of the values
+    for side, i in enumerate(_restitutions(plan)):
+        if values[i] not in known:
+            known[values[i]] = address + 8 * end
+            end += len(plan.values[i])
+        ratios[side] = known[values[i]]
     sizes = [len(v) for v in plan.values]
     setting = [plan.model == MODELS[1], *plan.densities, plan.restitution_at % 2**64]
     outputs = [results.get(name, 0) for name in RESULTS]
