@@ -236,6 +236,7 @@ def test_pressures_that_a_script_prescribes(line, pressure):
         ("TriaxialStressController(goal1=-1e4, goal2=-1e4, stressMask=3),", 1e4),
         ("PeriIsoCompressor(stresses=[-1e3, -1e4]),", 1e4),
         ("UniaxialStrainer(strainRate=-.1),", None),
+        ("ThreeDTriaxialEngine(stressControl_1=False, goal1=-1e4),", None),
     ],
 )
 def test_pressures_of_yade(engine, pressure):

@@ -384,7 +384,7 @@ class GrainState:
     )
     step_share: float | None = None  #: the time step over it
     grains: int | None = (
-        None  #: their number if it is one or two: then the numbers are those of a contact at an impact
+        None  #: their number if it is one or two, 0 if they meet walls only: the numbers are then those of an impact
     )
     impact_speed: float | None = None  #: [m/s] of this impact
     speed_is_chosen: bool = False  #: whether no speed is known
@@ -410,7 +410,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     """The state of grains with these contacts, in the units of their cases."""
     moving = [case for case in cases if case.second is None or math.isfinite(case.first.mass or 1.0)]
     diameter, density = _grain(moving, dimension)
-    if load.name == "shaken":
+    if load.name == "shaken" and load.shaking is not None:
         strength = None
         if load.shaking and load.gravity and load.frequency and diameter:
             strength = shaking_strength(load.shaking, load.gravity, load.frequency, diameter)

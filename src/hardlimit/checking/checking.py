@@ -864,7 +864,10 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
     number_known = grains.pressure is not None or grains.shaking is not None
-    if count is None or not 1 <= count <= few.FEW or given or number_known or around.state is not None:
+    several = count is None or count > few.FEW
+    if several and around.cases and all(case.second is None for case in around.cases):
+        count = 0.0  # none meets another one
+    if count is None or not 0 <= count <= few.FEW or given or number_known or around.state is not None:
         return grains
     if not speeds and stage.units == "lj":
         return grains

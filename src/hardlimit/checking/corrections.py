@@ -13,6 +13,7 @@ from ..convert.codes import code
 from ..support.formatting import digits
 from .cases import FIXED, ModelForce, force_of
 from .contacts import Case, CheckedContact, Surroundings, examine
+from .friction import SMOOTH_LAW
 from .scripts import Setting
 from .scripts.formulas import NUMBER
 
@@ -45,12 +46,10 @@ def lines(
     ``largest``: the step of a state in which contacts last, where no error of ε matters. A numerical damping is left
     out only if the script asks for an ε below 1, and contacts have one: without it, grains may be undamped.
     """
-    lines = dict.fromkeys(_numbers(examined))
+    numbers = list(dict.fromkeys(_numbers(examined)))
+    lines = dict.fromkeys(numbers)
     wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
     damped = bool(wanted and examined[-1][0].numerical_damping)
-    then = (
-        corrected(examined, lines) if any(not line.startswith("#") for line in lines) else undamped(examined)
-    )
     step = STEP.get(code, "timestep {}")
     if largest is not None:
         own = [case.time_step for case, _ in examined if case.time_step is not None]
@@ -60,8 +59,11 @@ def lines(
         steps := [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
     ):
         lines[step.format(texts.rounded_down(min(steps)))] = None
-    if damped and then is not None and float(then.split()[-1]) < 1.0:
-        lines[DAMPED.format(then)] = None
+    if damped:
+        numbered = any(not line.startswith("#") for line in numbers)
+        then = corrected(examined, numbers) if numbered else undamped(examined)
+        if then is not None and float(then.split()[-1]) < 1.0:
+            lines[DAMPED.format(then)] = None
     return list(lines)
 
 
@@ -73,7 +75,8 @@ def undamped(examined: Examined) -> str | None:
 
 
 def _undamped(case: Case, row: CheckedContact) -> float | None:
-    return examine(replace(case, numerical_damping=None), [row.speed], Surroundings())[0].restitution
+    plain = replace(case, numerical_damping=None, time_step=None, friction=SMOOTH_LAW)
+    return examine(plain, [row.speed], Surroundings())[0].restitution
 
 
 def with_damping(case: Case) -> float | None:

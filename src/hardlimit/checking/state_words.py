@@ -11,7 +11,12 @@ from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
 BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
-VERBS = {"rest": "Grains rest under", "pressed": "Grains are under", "flow": "Grains flow under"}
+VERBS = {
+    "shaken": "Grains rest under",
+    "rest": "Grains rest under",
+    "pressed": "Grains are under",
+    "flow": "Grains flow under",
+}
 
 
 def sentence(state: GrainState, plain: bool, dimension: int) -> str:
@@ -20,10 +25,10 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
         return " ".join(f"{part}." for part in (_few(state, plain), _step(state, plain)) if part)
     if state.name == "gas":
         return ""
-    if state.name == "shaken":
+    if state.name == "shaken" and state.shaking is not None:
         strength = state.shaking_strength
         shown = "" if strength is None else f"; S = (Aω)²/(g d) = {digits(strength, 2)}"
-        return f"Grains leave a floor with Γ > 1{shown}: {BEADS}." if state.shaking else ""
+        return f"Grains leave a floor with Γ > 1{shown}: {BEADS}."
     parts = [_softness(state, plain, dimension)]
     if state.inertial_number is not None:
         sign = "≥ " if state.pressure_is_bound else ""
@@ -41,7 +46,7 @@ def _few(state: GrainState, plain: bool) -> str:
     at = speed if plain else f"{speed} m/s"
     lasts = digits(duration, 2) if plain else quantity(duration, "s", 2)
     supposed = " (supposed; --speed gives another)" * state.speed_is_chosen
-    which = "One grain" if state.grains == 1 else "Two grains"
+    which = {0: "Grains meet walls", 1: "One grain", 2: "Two grains"}[state.grains or 0]
     numbers = f"ε = {digits(state.restitution or 0.0, 2)}, contact {lasts}"
     return f"{which} only: at {at}{supposed} {numbers}, overlap {percent(state.overlap or 0.0)} of R"
 
