@@ -98,3 +98,27 @@ def test_more_than_two_grains_or_a_pressure_have_another_number():
     assert hl.check(pair(three), speed=1.0).state.grains is None
     pressed = hl.check(pair(), pressure=100.0).state
     assert pressed.grains is None and pressed.stiffness_number is not None
+
+
+GAS = """units si
+atom_style sphere
+region b block 0 1 0 1 0 1
+create_box 1 b
+read_restart gas.bin
+pair_style granular
+pair_coeff * * hooke 1e4 0.02 damping velocity
+fix i all nve/sphere
+timestep 1e-6
+run 10
+"""
+
+
+@pytest.mark.parametrize("options", [{}, {"speed": 0.3}, {"packing_fraction": 0.2}])
+def test_a_gas_has_its_number_at_a_supposed_packing_and_speed(options):
+    """The one that it has where both are given; the answer stays that it cannot be said."""
+    size = {"radius": 1e-3, "density": 2500.0}
+    verdict = hl.check(GAS, **size, **options)
+    complete = hl.check(GAS, **size, **{"speed": 1.0, "packing_fraction": 0.1, **options})
+    assert verdict.state.supposed_tc_nu == pytest.approx(complete.rows[0].tc_nu)
+    assert complete.state.supposed_tc_nu is None and verdict.state.speed_is_chosen is ("speed" not in options)
+    assert verdict.admissible is None and "(not both are known) t_c ν would be" in verdict.sentence

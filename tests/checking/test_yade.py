@@ -172,7 +172,7 @@ add(r=0.3, n=1)
         ),
         (FUNCTION, (0.1, 0.3)),
         ("import math\nO.bodies.append(sphere((0, 0, 0), math.sqrt(4) * 10**-1))\n", (0.2, 0.2)),
-        ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", None),
+        ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", (0.1, 0.2)),
         (PACK + "O.bodies.append([sphere(c, r) for c, r in sp])\n", (0.04, 0.06)),
         (PACK + "for s in sp: O.bodies.append(sphere(s[0], 2 * s[1]))\n", (0.08, 0.12)),
         (PACK + "O.bodies.append([sphere(c, radius=r) for c, r in sp.toList()])\n", (0.04, 0.06)),

@@ -379,12 +379,11 @@ class GrainState:
     layers_stiffness_number: float | None = None  #: κ_p below them
     layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
-    step_is_supposed: bool = (
-        False  #: whether it is that below 100 layers, else at the pressure for rigid grains
-    )
+    step_is_supposed: bool = False  #: whether it is that below 100 layers, or for rigid grains
     step_share: float | None = None  #: the time step over it
-    grains: int | None = (
-        None  #: their number if it is one or two, 0 if they meet walls only: the numbers are then those of an impact
+    grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
+    supposed_tc_nu: float | None = (
+        None  #: t_c ν of a gas at this packing fraction and impact speed, not both its own
     )
     impact_speed: float | None = None  #: [m/s] of this impact
     speed_is_chosen: bool = False  #: whether no speed is known

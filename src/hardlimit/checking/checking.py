@@ -858,8 +858,8 @@ def _held_in_script(
 
 
 def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> GrainState:
-    """The state of one or two grains with the numbers of their contact, in SI units."""
-    stage, given = final.last, final.options.load.rests or final.options.drive
+    """The state of few grains, or of a gas of unknown packing or speed, with numbers of contacts, in SI units."""
+    stage, loaded = final.last, final.options.load.rests or final.options.drive
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
@@ -867,19 +867,22 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     several = count is None or count > few.FEW
     if several and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
-    if count is None or not 0 <= count <= few.FEW or given or number_known or around.state is not None:
-        return grains
-    if not speeds and stage.units == "lj":
+    if loaded or number_known or around.state is not None or (not speeds and stage.units == "lj"):
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
-    state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
-    if state.impact_speed is None or state.duration is None:
+    if count is not None and 0 <= count <= few.FEW:
+        state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
+    elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
+        state = few.in_gas(grains, around.cases, final.gas, speed, not speeds)
+    else:
+        return grains
+    if state.impact_speed is None:
         return state
     longest = state.largest_stable_step
     return replace(
         state,
         impact_speed=state.impact_speed * length / time,
-        duration=state.duration * time,
+        duration=state.duration and state.duration * time,
         largest_stable_step=None if longest is None else longest * time,
     )
 

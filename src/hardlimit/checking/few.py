@@ -1,16 +1,20 @@
-"""One or two grains: the contact at its impact, in place of the number of a gas or of a packing."""
+"""Numbers of single contacts: of one or two grains at their impact, of a gas at a supposed packing and speed."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 from ..convert.force import AdhesiveForce
 from .at_rest import GrainState, Springs, springs_of, stable_step
-from .contacts import Case, collision_of
+from .contacts import Case, Surroundings, collision_of
 
 #: Most grains that are judged as single contacts.
 FEW: Final = 2
+#: Packing fraction of a gas whose own is not known.
+SUPPOSED_PACKING: Final = 0.1
 
 
 def with_contact(
@@ -70,3 +74,31 @@ def isolated_step(case: Case, overlap: float) -> float | None:
         return inverse * max(stiffened.normal, stiffened.tangential * (1.0 + 1.0 / inertia))
 
     return stable_step(lambda step: largest(springs.stiffened(step)))
+
+
+def in_gas(
+    state: GrainState, cases: Sequence[Case], gas: Surroundings, speed: float, chosen: bool
+) -> GrainState:
+    """The state of a gas with the largest t_c ν at this mean impact speed, at a supposed packing if it has none."""
+    packing = SUPPOSED_PACKING if gas.packing_fraction is None else gas.packing_fraction
+    around = replace(gas, packing_fraction=packing)
+    numbers = []
+    for case in cases:
+        second = case.second
+        if case.force is None or second is None or case.first.radius is None or second.radius is None:
+            continue
+        if case.first.mass is None or second.mass is None:
+            continue
+        force = case.force(case.first.tried(0), second.tried(0), speed)
+        if not isinstance(force, AdhesiveForce):
+            duration = collision_of(force, speed, case.numerical_damping).duration
+            numbers.append(duration * around.collision_rate(speed, case.first.radius + second.radius))
+    if not numbers or not math.isfinite(max(numbers)):
+        return state
+    return replace(
+        state,
+        supposed_tc_nu=max(numbers),
+        packing_fraction=packing,
+        impact_speed=speed,
+        speed_is_chosen=chosen,
+    )

@@ -23,6 +23,9 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     """The sentence after the answer, in at most about 260 letters; empty for a gas. ``plain``: in ``lj`` units."""
     if state.grains is not None:
         return " ".join(f"{part}." for part in (_few(state, plain), _step(state, plain)) if part)
+    if state.supposed_tc_nu is not None:
+        at = f"φ = {digits(state.packing_fraction or 0.0, 2)} and {_speed(state, plain)}"
+        return f"With {at} (not both are known) t_c ν would be {digits(state.supposed_tc_nu, 2)}."
     if state.name == "gas":
         return ""
     if state.name == "shaken" and state.shaking is not None:
@@ -40,10 +43,13 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     return " ".join(f"{part}." for part in parts if part)
 
 
+def _speed(state: GrainState, plain: bool) -> str:
+    return digits(state.impact_speed or 0.0, 2) + " m/s" * (not plain)
+
+
 def _few(state: GrainState, plain: bool) -> str:
     """The contact of one or two grains at its impact."""
-    speed, duration = digits(state.impact_speed or 0.0, 2), state.duration or 0.0
-    at = speed if plain else f"{speed} m/s"
+    at, duration = _speed(state, plain), state.duration or 0.0
     lasts = digits(duration, 2) if plain else quantity(duration, "s", 2)
     supposed = " (supposed; --speed gives another)" * state.speed_is_chosen
     which = {0: "Grains meet walls", 1: "One grain", 2: "Two grains"}[state.grains or 0]

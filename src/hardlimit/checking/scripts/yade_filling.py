@@ -110,11 +110,11 @@ def mean_radius(instance: Instance) -> Any:
     V (1 − porosity) = num 4/3 π r³ (1 + fuzz²), and smaller spheres if they find no place. That is not so from a
     porosity of :data:`LOOSE` on: of its 1000 tries for each sphere, 30 succeed.
     """
-    given, number = instance.argument(2, "rMean", -1), instance.argument(4, "num", -1)
+    mean, number = instance.argument(2, "rMean", -1), instance.argument(4, "num", -1)
     corners = [corner for corner in corners_of(instance) if corner is not None]
     fuzz, porosity = instance.argument(3, "rRelFuzz", 0.0), instance.argument(6, "porosity", POROSITY)
-    if not is_number(given) or given > 0.0 or len(corners) < 2 or "hSize" in instance.attributes:
-        return given
+    if not is_number(mean) or mean > 0.0 or len(corners) < 2 or "hSize" in instance.attributes:
+        return mean
     volume = math.prod(b - a for a, b in zip(*corners, strict=True))
     known = is_number(number) and is_number(fuzz) and is_number(porosity)
     if not known or number <= 0 or volume <= 0.0 or not LOOSE <= porosity < 1.0:
