@@ -3,9 +3,13 @@
     python studies/survey.py FOLDER [--json FILE] [--most 20]
 
 Every file below the folder that is a script or a log of LAMMPS, LIGGGHTS or YADE is checked as it is, without further
-numbers. A script at rest, pressed or flowing has its number if κ_p is known, a shaken one if Γ is, a gas if t_c ν is;
-those with a longest stable step are counted as well. The reasons for a missing number and the statements that are not
-understood are listed by how often they occur.
+numbers; copies of the same text count once. A script whose contacts are those of other bodies or models than spheres
+with springs (polyhedra, grids, bonds, smoothed particles) is listed apart as "other", whether or not it is answered.
+
+number: κ_p of grains at rest, pressed or flowing, Γ of shaken ones, t_c ν of a gas, ε, duration and overlap of one or
+two grains. border: instead of it, up to which pressure grains are rigid and κ_p below 100 layers, or t_c ν of a gas at
+a supposed packing fraction or speed. step: the longest stable time step. any: one of the three. The reasons for a
+missing number and the statements that are not understood are listed by how often they occur.
 """
 
 import argparse
@@ -21,27 +25,40 @@ LARGEST: Final = 2_000_000  #: bytes of a file
 NOT_SCRIPTS: Final = ("has no granular contacts of", "cannot be read")
 ANSWERS: Final = {True: "yes", False: "no", None: "cannot be said"}
 STATES: Final = ("rest", "pressed", "flow", "shaken", "gas", "refused")
+NUMBERS: Final = ("number", "border", "step")
+#: What makes contacts of spheres with springs in a script: a pair style or a wall of grains, or YADE's functors.
+SPHERES: Final = re.compile(
+    r"pair_style\s.*\bgran|\bwall/gran|^\s*model\s+\w+"
+    r"|Ip2_(FrictMat_FrictMat_(Mindlin|Frict)|ViscElMat_ViscElMat_ViscEl|CohFrictMat_CohFrictMat_CohFrict)Phys",
+    re.MULTILINE,
+)
+#: Bodies and models of other kinds in scripts of YADE, and atom styles without spheres.
+OTHERS: Final = re.compile(
+    r"Polyhedra|Potential(Block|Particle)|[lL]evelSet|GridCo|[pP][fF]acet|Lubrication|SPHEngine|FoamCoupling"
+    r"|Ip2_(?!FrictMat_FrictMat_(Mindlin|Frict)Phys|ViscElMat_ViscElMat_ViscElPhys|CohFrictMat_CohFrictMat_CohFrict)"
+    r"|superquadric|convexhull|pair_style\s+sph|(IGeom|IPhys|Geometry|Physics|Constitutive)\w*Dispatcher"
+)
 
 
 def surveyed(path: Path) -> dict[str, Any] | None:
     """What is said of one file; None if it is no script."""
+    text = path.read_text("utf-8", errors="replace")
+    other = not SPHERES.search(text) or bool(OTHERS.search(text))
+    empty = {"state": "refused", "answer": "refused", **dict.fromkeys((*NUMBERS, "any"), False), "quotes": []}
     try:
         verdict = hl.check(path)
     except ValueError as error:
-        text = str(error)
-        if any(words in text for words in NOT_SCRIPTS):
+        message = str(error)
+        if any(words in message for words in NOT_SCRIPTS):
             return None
-        return {
-            "state": "refused",
-            "answer": "refused",
-            "number": False,
-            "step": False,
-            "why": [reason(text)],
-            "quotes": [],
-        }
+        return {**empty, "other": other, "why": [reason(message)]}
     state = verdict.state
-    numbers = {"shaken": state.shaking, "gas": max((row.tc_nu or 0.0 for row in verdict.rows), default=0.0)}
-    number = numbers.get(state.name, state.stiffness_number)
+    own = {"shaken": state.shaking, "gas": max((row.tc_nu or 0.0 for row in verdict.rows), default=0.0)}
+    known = {
+        "number": bool(own.get(state.name) or state.stiffness_number or state.grains),
+        "border": state.pressure_for_rigid is not None or state.supposed_tc_nu is not None,
+        "step": state.largest_stable_step is not None,
+    }
     quotes = [kind(quote) for quote in verdict.to_dict()["unknown"]]
     why = [f"not known: {what}" for what in verdict.missing] + [
         f"not understood: {quote}" for quote in quotes[:1]
@@ -49,9 +66,10 @@ def surveyed(path: Path) -> dict[str, Any] | None:
     return {
         "state": state.name,
         "answer": ANSWERS[verdict.admissible],
-        "number": bool(number),
-        "step": state.largest_stable_step is not None,
-        "why": [] if number else why or ["no pressure"],
+        "other": other,
+        **known,
+        "any": any(known.values()),
+        "why": [] if any(known.values()) else why or ["no pressure"],
         "quotes": quotes,
     }
 
@@ -72,13 +90,21 @@ def kind(quote: str) -> str:
 
 def table(results: list[dict[str, Any]]) -> str:
     """Counts by state: answers, and how many have their number."""
-    lines = [f"{'state':10}{'scripts':>8}{'yes':>6}{'no':>6}{'not said':>10}{'number':>8}{'stable step':>13}"]
-    for state in (*STATES, "all"):
-        own = [each for each in results if state in ("all", each["state"])]
+    names = (*NUMBERS, "any")
+    head = "".join(f"{name:>8}" for name in names)
+    lines = [f"{'state':10}{'scripts':>8}{'yes':>6}{'no':>6}{'not said':>10}{head}"]
+    for state in (*STATES, "all", "other"):
+        own = [
+            each
+            for each in results
+            if each["other"] == (state == "other") and state in ("all", "other", each["state"])
+        ]
         counts = Counter(each["answer"] for each in own)
-        numbers, steps = (sum(each[name] for each in own) for name in ("number", "step"))
-        columns = f"{counts['yes']:6}{counts['no']:6}{counts['cannot be said']:10}{numbers:8}{steps:13}"
-        lines.append(f"{state:10}{len(own):8}{columns}")
+        columns = f"{counts['yes']:6}{counts['no']:6}{counts['cannot be said']:10}"
+        lines.append(
+            f"{state:10}{len(own):8}{columns}"
+            + "".join(f"{sum(each[name] for each in own):8}" for name in names)
+        )
     return "\n".join(lines)
 
 
@@ -90,9 +116,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="write what is said of each file")
     parser.add_argument("--most", type=int, default=20, help="reasons that are listed")
     arguments = parser.parse_args()
-    results = dict[str, dict[str, Any]]()
+    results, texts = dict[str, dict[str, Any]](), set[bytes]()
     for path in sorted(arguments.folder.rglob("*")):
-        if path.is_file() and path.stat().st_size <= LARGEST and (said := surveyed(path)) is not None:
+        if not path.is_file() or path.stat().st_size > LARGEST or path.read_bytes() in texts:
+            continue
+        texts.add(path.read_bytes())
+        if (said := surveyed(path)) is not None:
             results[str(path.relative_to(arguments.folder))] = said
     print(table(list(results.values())))
     for title, name in (("No number, because", "why"), ("Not understood", "quotes")):

@@ -132,6 +132,78 @@ def test_the_weakest_of_two_sizes_decides():
     assert sizes.stiffness_number == pytest.approx(1e5 / (100.0 * 4e-3))
 
 
+# --- without the pressure ---------------------------------------------------------------------------------------
+
+#: Grains whose file is not there, on a floor, with a linear spring and with Hertz'.
+UNKNOWN_BED = """units si
+atom_style sphere
+boundary p p f
+newton off
+read_restart settled.bin
+pair_style granular
+pair_coeff * * {0}
+fix w all wall/gran granular {0} zplane 0 NULL
+fix g all gravity 9.81 vector 0 0 -1
+fix i all nve/sphere
+timestep 1e-6
+run 1000
+"""
+SPRINGS = (
+    "hooke 1e4 20 damping velocity",
+    "hertz/material 1e8 0.5 0.3",
+)
+
+
+@pytest.mark.parametrize("contact", SPRINGS)
+def test_the_pressure_up_to_which_grains_are_rigid(contact):
+    """κ_p = 10⁴ under it, and below the height at which it is the weight; the numbers below 100 layers."""
+    bed, size = UNKNOWN_BED.format(contact), {"radius": 7e-4, "density": 1800.0}
+    unknown = state(bed, **size)
+    assert unknown.pressure is None and unknown.stiffness_number is None
+    at_border = state(bed, **size, pressure=unknown.pressure_for_rigid)
+    assert at_border.stiffness_number == pytest.approx(1e4)
+    below = state(bed, **size, height=unknown.height_for_rigid)
+    assert below.stiffness_number == pytest.approx(1e4)
+    layers = state(bed, **size, height=100 * 1.4e-3)
+    assert unknown.layers_height == pytest.approx(100 * 1.4e-3)
+    assert unknown.layers_stiffness_number == pytest.approx(layers.stiffness_number)
+    assert unknown.layers_overlap == pytest.approx(layers.overlap)
+    assert unknown.largest_stable_step == pytest.approx(layers.largest_stable_step)
+    assert unknown.step_is_supposed is contact.startswith("hertz")
+    assert "100 layers" in hl.check(bed, **size).sentence
+
+
+def test_with_given_moduli_the_pressure_for_rigid_grains_does_not_depend_on_their_size():
+    linear, hertz = (state(UNKNOWN_BED.format(contact)) for contact in SPRINGS)
+    assert linear.pressure_for_rigid is None
+    assert hertz.pressure_for_rigid == pytest.approx(1e8 / (2.0 * (1.0 - 0.3**2)) / 1e6)
+    assert hertz.layers_height is None and hertz.largest_stable_step is None
+
+
+@pytest.mark.parametrize("pressure", [30.0, 1e4])
+def test_with_given_moduli_the_softness_under_a_pressure_does_not_depend_on_the_size(pressure):
+    linear, hertz = (UNKNOWN_BED.format(contact) for contact in SPRINGS)
+    unknown, sized = (
+        state(hertz, pressure=pressure),
+        state(hertz, pressure=pressure, radius=3e-4, density=900.0),
+    )
+    assert unknown.stiffness_number == pytest.approx(sized.stiffness_number)
+    assert unknown.overlap == pytest.approx(sized.overlap)
+    assert unknown.stiffness_for_rigid == pytest.approx(sized.stiffness_for_rigid)
+    assert state(linear, pressure=pressure).stiffness_number is None
+
+
+def test_pressed_grains_without_a_pressure_have_the_step_of_rigid_ones():
+    pressed = state(script("hertz/material 1e8 0.5 0.3", "fix d all deform 1 x erate -1"))
+    again = state(
+        script("hertz/material 1e8 0.5 0.3", "fix d all deform 1 x erate -1"),
+        pressure=pressed.pressure_for_rigid,
+    )
+    assert pressed.layers_height is None and pressed.step_is_supposed
+    assert pressed.largest_stable_step == pytest.approx(again.largest_stable_step)
+    assert again.stiffness_number == pytest.approx(1e4) and again.pressure_for_rigid is None
+
+
 # --- where the pressure comes from ------------------------------------------------------------------------------
 
 
@@ -149,7 +221,7 @@ def test_the_weakest_of_two_sizes_decides():
 def test_pressures_that_a_script_prescribes(line, pressure):
     verdict = hl.check(script(CLIPPED, line))
     assert verdict.state.name == "pressed" and verdict.state.pressure == pressure
-    assert ("Give --pressure" in verdict.sentence) is (pressure is None)
+    assert ("--pressure gives" in verdict.sentence) is (pressure is None)
     assert hl.check(script(CLIPPED, line), pressure=7.0).state.pressure == 7.0
 
 
@@ -164,6 +236,7 @@ def test_pressures_that_a_script_prescribes(line, pressure):
         ("TriaxialStressController(goal1=-1e4, goal2=-1e4, stressMask=3),", 1e4),
         ("PeriIsoCompressor(stresses=[-1e3, -1e4]),", 1e4),
         ("UniaxialStrainer(strainRate=-.1),", None),
+        ("ThreeDTriaxialEngine(stressControl_1=False, goal1=-1e4),", None),
     ],
 )
 def test_pressures_of_yade(engine, pressure):

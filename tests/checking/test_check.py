@@ -684,6 +684,23 @@ def test_a_numerical_damping_is_left_out_only_where_an_restitution_remains():
     ].restitution == pytest.approx(0.9, abs=1e-3)
 
 
+def test_corrected_lines_say_which_restitution_the_contact_really_has():
+    """MindlinPhys with en = 0.999 gives 0.984; a law that leaves out the damping is to be replaced."""
+    box = (
+        YADE_BOX.format(engine="", more="", g=0)
+        .replace("en=0.9", "en=0.999")
+        .replace("damping=0", "damping=0.2")
+    )
+    *own, damping = hl.check(box, speed=0.1).corrected
+    assert own and all(line.startswith("# ") and line.endswith("its ε is 0.984") for line in own)
+    assert damping.endswith("ε is then 0.984")
+    undamped = box.replace("Law2_ScGeom_MindlinPhys_Mindlin", "Law2_ScGeom_MindlinPhys_MindlinDeresiewitz")
+    law, damping = hl.check(undamped, speed=0.1).corrected
+    assert law.endswith("en=0.999 then gives ε = 0.984") and damping.endswith("ε is then 0.984")
+    fine = hl.check(undamped.replace("0.999", "0.8"), speed=0.1).corrected
+    assert "then gives" not in fine[0] and fine[1].endswith("ε is then 0.8")
+
+
 def test_no_corrected_line_contradicts_itself():
     """Where contacts need different numbers in one statement, each stands once, named with its sizes if they differ."""
     physics = "ViscElMat_ViscElMat_ViscElPhys"

@@ -172,7 +172,7 @@ add(r=0.3, n=1)
         ),
         (FUNCTION, (0.1, 0.3)),
         ("import math\nO.bodies.append(sphere((0, 0, 0), math.sqrt(4) * 10**-1))\n", (0.2, 0.2)),
-        ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", None),
+        ("O.bodies.append(sphere((0, 0, 0), random.uniform(.1, .2)))\n", (0.1, 0.2)),
         (PACK + "O.bodies.append([sphere(c, r) for c, r in sp])\n", (0.04, 0.06)),
         (PACK + "for s in sp: O.bodies.append(sphere(s[0], 2 * s[1]))\n", (0.08, 0.12)),
         (PACK + "O.bodies.append([sphere(c, radius=r) for c, r in sp.toList()])\n", (0.04, 0.06)),
@@ -448,6 +448,39 @@ def test_laws_without_damping(law):
     description = read(script(pair=(MINDLIN[0], f"Law2_ScGeom_MindlinPhys_{law}()")))
     (contact,) = description.stages[0].contacts
     assert numbers(contact)["betan"] == 0.0 and contact.asked == 0.7 and not description.unknown
+
+
+@pytest.mark.parametrize(
+    ("words", "radii"),
+    [
+        # smallest and largest radius that YADE 2023.02a made with seed=3
+        ("-1, 0.3333, 400, False, 0.95, seed=3", (0.028903, 0.057551)),
+        (
+            "rRelFuzz=0.3, num=500, porosity=0.8",
+            (0.05403 * (0.2 / 0.35) ** (1 / 3), 0.10035 * (0.2 / 0.35) ** (1 / 3)),
+        ),
+        ("rRelFuzz=0.3, num=500", None),  # smaller if they find no place
+        ("-1, 0.3333, later(), False, 0.95", None),
+    ],
+)
+def test_a_cloud_of_a_number_of_spheres_with_a_porosity(words, radii):
+    bodies = f"sp = SpherePack()\nsp.makeCloud((0, 0, 0), (1, 2, 1.5), {words})\nsp.toSimulation()\n"
+    (grains,) = read(script(bodies=bodies)).stages[0].grains.values()
+    assert grains.radii == (radii if radii is None else pytest.approx(radii, rel=5e-3))
+
+
+@pytest.mark.parametrize(
+    ("radius", "radii"),
+    [
+        ("random.uniform(0.02, 0.05)", (0.02, 0.05)),
+        ("random.gauss(0.02, 0.01)", None),
+        ("random.uniform(0, 1)", None),
+    ],
+)
+def test_a_radius_drawn_at_random(radius, radii):
+    bodies = f"O.bodies.append([sphere((0, 0, k), {radius}) for k in range(5)])\n"
+    (grains,) = read(script(bodies=bodies)).stages[0].grains.values()
+    assert grains.radii == radii
 
 
 def test_a_long_loop_of_single_steps():

@@ -55,7 +55,8 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
 
 def test_one_replica_and_one_model(start: Path) -> None:
     text = run("gas", "compare", start, "--replicas", 1, *FAST).stdout
-    assert "one replica has no error bars" in " ".join(text.split())
+    words = " ".join(text.split())
+    assert "one replica has no error bars" in words and "ask for more, such as --replicas 8" in words
     alone = run("gas", "compare", start, "--replicas", 2, "--models", "newton", *FAST).stdout
     assert "no rule to compare with" in " ".join(alone.split()) and "Difference" not in alone
 
@@ -170,6 +171,9 @@ def test_walls_and_gravity_around_a_dump() -> None:
     walls = [word for side in ("wall", "periodic", "wall") for word in ("--boundary", side)]
     text = run("gas", "compare", *bed, *walls, "--models", "law", *FAST).stdout
     assert "x wall, y periodic, z wall" in text and "energy of the overlaps / kinetic" in text
-    assert "one replica has no error bars" in " ".join(text.split())
+    words = " ".join(text.split())
+    assert (
+        "one replica has no error bars" in words and "more need a gas" in words and "--replicas" not in words
+    )
     dense = refused("gas", "compare", EXAMPLES / "dump.bed", "--allowed-overlap", 0.01, *FAST)
     assert "density: missing in the file; --density gives it" in dense

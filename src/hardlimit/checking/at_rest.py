@@ -23,7 +23,7 @@ import scipy
 
 from ..boxes.box import UNIT_BALL
 from ..convert.force import AdhesiveForce, Force
-from .contacts import Case
+from .contacts import AGREEMENT, Body, Case
 
 #: Stiffness number from which grains count as rigid.
 RIGID: Final = 1e4
@@ -41,6 +41,8 @@ HERTZ_SPREAD: Final = 0.92
 DENSER, MORE_CONTACTS, SOFTEST = 5.6, 2.7, 100.0
 #: Share of the longest stable step that is safe: frequencies of beds differ by 5 %, and contacts form later.
 SAFE_SHARE: Final = 0.5
+#: Layers of grains below which numbers are given if neither pressure nor height is known.
+LAYERS: Final = 100
 #: The part of the contact duration that is usually taken as the time step.
 USUAL_STEP: Final = 50.0
 
@@ -288,6 +290,49 @@ def largest_stable_step(contacts: Sequence[Loaded]) -> float | None:
     return longest if math.isfinite(longest) else None
 
 
+def rigid_up_to(contacts: Sequence[Loaded]) -> float | None:
+    """Largest pressure under which κ_p of all contacts is at least that of rigid grains: κ_p ∝ p^(−1/P)."""
+    each = [(contact, replace(contact, pressure=1.0).stiffness_number) for contact in contacts]
+    limits = [
+        (kappa / RIGID) ** (0.25 * contact.force.powers.elastic)
+        for contact, kappa in each
+        if kappa is not None
+    ]
+    return min(limits, default=None)
+
+
+def of_any_size(
+    state: GrainState, cases: Sequence[Case], pressure: float | None, packing: Packing, dimension: int
+) -> GrainState:
+    """The state of grains of unknown sizes with the numbers that are the same for all, as with given moduli."""
+    tries = []
+    for k in range(3):
+        contacts = loaded([_tried(case, k) for case in cases], pressure, packing, dimension)
+        pairs = [contact for contact in contacts if contact.case.second is not None]
+        if not pairs:
+            return state
+        if pressure is None:
+            tries.append(replace(state, pressure_for_rigid=rigid_up_to(pairs)))
+        else:
+            tries.append(_softened(state, min(pairs, key=_kappa)))
+    for name in ("pressure_for_rigid", "stiffness_number", "overlap"):
+        values = [getattr(each, name) for each in tries]
+        if None not in values and max(values) > (1.0 + AGREEMENT) * min(values):
+            return state
+    return tries[0]
+
+
+def _tried(case: Case, k: int) -> Case:
+    """A contact with trial values in place of unknown sizes and masses."""
+
+    def known(body: Body) -> Body:
+        trial = body.tried(k)
+        mass = trial.mass if body.mass is None else body.mass
+        return replace(body, radius=trial.radius, mass=mass)
+
+    return replace(case, first=known(case.first), second=case.second and known(case.second))
+
+
 # --- the state --------------------------------------------------------------------------------------------------
 
 
@@ -303,6 +348,7 @@ class Load:
     packing: Packing | None = None  #: as measured in a dump, or given
     shear_rate: float | None = None
     gravity: float | None = None
+    density: float | None = None  #: largest one of the grains
     shaking: float | None = None  #: Γ
     frequency: float | None = None  #: angular, of the shaking
 
@@ -327,8 +373,22 @@ class GrainState:
     stiffness: str | None = None  #: name of the number that sets the stiffness
     stiffness_for_rigid: float | None = None  #: its value at κ_p = 10⁴, in the unit of the script
     stiffness_unit: str | None = None  #: this unit; empty in lj units
+    pressure_for_rigid: float | None = None  #: [Pa] up to which κ_p is at least 10⁴, if p is not known
+    height_for_rigid: float | None = None  #: [m] of a bed with this pressure at its bottom
+    layers_height: float | None = None  #: [m] of 100 layers of grains, if p is not known
+    layers_stiffness_number: float | None = None  #: κ_p below them
+    layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
+    step_is_supposed: bool = False  #: whether it is that below 100 layers, or for rigid grains
     step_share: float | None = None  #: the time step over it
+    grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
+    supposed_tc_nu: float | None = (
+        None  #: t_c ν of a gas at this packing fraction and impact speed, not both its own
+    )
+    impact_speed: float | None = None  #: [m/s] of this impact
+    speed_is_chosen: bool = False  #: whether no speed is known
+    restitution: float | None = None  #: ε of this impact
+    duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"
     shaking: float | None = None  #: Γ = A ω²/g
@@ -349,7 +409,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     """The state of grains with these contacts, in the units of their cases."""
     moving = [case for case in cases if case.second is None or math.isfinite(case.first.mass or 1.0)]
     diameter, density = _grain(moving, dimension)
-    if load.name == "shaken":
+    if load.name == "shaken" and load.shaking is not None:
         strength = None
         if load.shaking and load.gravity and load.frequency and diameter:
             strength = shaking_strength(load.shaking, load.gravity, load.frequency, diameter)
@@ -357,11 +417,11 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     if load.name == "gas":
         return GAS
     rough = any(case.friction.coefficient != 0.0 for case in moving)
-    packing = load.packing or PACKINGS[dimension, rough]
-    packing = packing._replace(stress_share=packing.stress_share if load.weight else 1.0)
+    bed = load.packing or PACKINGS[dimension, rough]
+    packing = bed._replace(stress_share=bed.stress_share if load.weight else 1.0)
     contacts = loaded(moving, load.pressure, packing, dimension)
     pairs = [contact for contact in contacts if contact.case.second is not None]
-    softest = min(pairs, key=lambda contact: contact.stiffness_number or 0.0, default=None)
+    softest = min(pairs, key=_kappa, default=None)
     longest = largest_stable_step(contacts) if len(contacts) == len(moving) else None
     inertial = None
     if load.shear_rate is not None and load.pressure and diameter and density:
@@ -374,11 +434,16 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         packing_fraction=packing.packing_fraction,
         coordination=packing.coordination,
         largest_stable_step=longest,
-        step_share=None if longest is None or time_step is None else time_step / longest,
         inertial_number=inertial,
         regime=None if inertial is None else regime(inertial),
         shaking=load.shaking,
     )
+    if not contacts:
+        return of_any_size(state, moving, load.pressure, packing, dimension)
+    if load.pressure is None:
+        state = _supposed(state, load, bed, contacts, diameter, len(moving))
+    if longest := state.largest_stable_step:
+        state = replace(state, step_share=None if time_step is None else time_step / longest)
     if softest is None or load.pressure is None:
         return state
     state = _softened(state, softest)
@@ -386,6 +451,43 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     if dimension == 2 or not rough or kappa < SOFTEST:
         return state
     return replace(state, packing_excess=DENSER / kappa, coordination_excess=MORE_CONTACTS / math.sqrt(kappa))
+
+
+def _supposed(
+    state: GrainState,
+    load: Load,
+    packing: Packing,
+    contacts: Sequence[Loaded],
+    diameter: float | None,
+    number: int,
+) -> GrainState:
+    """The state with its numbers up to the pressure for rigid grains, and under gravity below 100 layers of grains.
+
+    ``number``: of all contacts, of which those with known numbers are given.
+    """
+    pressure = border = rigid_up_to([contact for contact in contacts if contact.case.second is not None])
+    state, under = replace(state, pressure_for_rigid=border), list(contacts)
+    if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
+        heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
+        pressure = heavy * LAYERS * diameter
+        under = [replace(contact, packing=packing, pressure=pressure) for contact in contacts]
+        softest = min((contact for contact in under if contact.case.second is not None), key=_kappa)
+        below = _softened(state, softest)
+        state = replace(
+            state,
+            height_for_rigid=border / heavy,
+            layers_height=LAYERS * diameter,
+            layers_stiffness_number=below.stiffness_number,
+            layers_overlap=below.overlap,
+        )
+    if state.largest_stable_step is not None or pressure is None or len(contacts) < number:
+        return state
+    longest = largest_stable_step([replace(contact, pressure=pressure) for contact in under])
+    return replace(state, largest_stable_step=longest, step_is_supposed=longest is not None)
+
+
+def _kappa(contact: Loaded) -> float:
+    return contact.stiffness_number or 0.0
 
 
 def _softened(state: GrainState, contact: Loaded) -> GrainState:

@@ -20,7 +20,19 @@ from ..contact.contact import Law
 from ..convert.force import MAX_SPEED, MIN_SPEED
 from ..support import validation
 from ..support.formatting import digits, listed, percent
-from . import answer, at_rest, cases, corrections, drive, dumps, friction_words, loads, state_words, stated
+from . import (
+    answer,
+    at_rest,
+    cases,
+    corrections,
+    drive,
+    dumps,
+    few,
+    friction_words,
+    loads,
+    state_words,
+    stated,
+)
 from .at_rest import GrainState
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
@@ -841,7 +853,38 @@ def _held_in_script(
         lasting=_contacts_last([row for _, row in final.examined], states),
         barostat=barostat,
     )
-    return _held(stage, drive.support(stage), final.options, around)
+    grains = _held(stage, drive.support(stage), final.options, around)
+    return _contact_of_few(grains, final, around)
+
+
+def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> GrainState:
+    """The state of few grains, or of a gas of unknown packing or speed, with numbers of contacts, in SI units."""
+    stage, loaded = final.last, final.options.load.rests or final.options.drive
+    count, (_, length, time) = stage.contents.count, SCALES[stage.units]
+    stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
+    speeds = final.options.speeds or tuple(stated_speeds)
+    number_known = grains.pressure is not None or grains.shaking is not None
+    several = count is None or count > few.FEW
+    if several and around.cases and all(case.second is None for case in around.cases):
+        count = 0.0  # none meets another one
+    if loaded or number_known or around.state is not None or (not speeds and stage.units == "lj"):
+        return grains
+    speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
+    if count is not None and 0 <= count <= few.FEW:
+        state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
+    elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
+        state = few.in_gas(grains, around.cases, final.gas, speed, not speeds)
+    else:
+        return grains
+    if state.impact_speed is None:
+        return state
+    longest = state.largest_stable_step
+    return replace(
+        state,
+        impact_speed=state.impact_speed * length / time,
+        duration=state.duration and state.duration * time,
+        largest_stable_step=None if longest is None else longest * time,
+    )
 
 
 def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
@@ -869,15 +912,16 @@ def _held(stage: Stage, support: drive.Support, options: Options, around: loads.
     state = at_rest.grain_state(around.cases, load, stage.time_step, around.dimension)
     mass, length, time = SCALES[stage.units]
     unit = mass / (length ** (around.dimension - 2) * time**2)
-    step, pressure = state.largest_stable_step, state.pressure
+    sizes = {"largest_stable_step": time, "pressure": unit, "pressure_for_rigid": unit}
+    sizes |= dict.fromkeys(("height_for_rigid", "layers_height"), length)
+    known = {name: getattr(state, name) for name in sizes}
     springs = [
         case.spring_powers for case in around.cases if case.spring and case.spring[0] == state.stiffness
     ]
     return replace(
         state,
         stiffness_unit=_unit(springs[0], stage.units) if springs else None,
-        pressure=None if pressure is None else pressure * unit,
-        largest_stable_step=None if step is None else step * time,
+        **{name: value * sizes[name] for name, value in known.items() if value is not None},
     )
 
 

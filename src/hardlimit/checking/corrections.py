@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
 from ..convert import texts
+from ..convert.codes import code
 from ..support.formatting import digits
-from .cases import FIXED, ModelForce
+from .cases import FIXED, ModelForce, force_of
 from .contacts import Case, CheckedContact, restitution
 from .scripts import Setting
 from .scripts.formulas import NUMBER
@@ -44,12 +45,10 @@ def lines(
     ``largest``: the step of a state in which contacts last, where no error of ε matters. A numerical damping is left
     out only if the script asks for an ε below 1, and contacts have one: without it, grains may be undamped.
     """
-    lines = dict.fromkeys(_numbers(examined))
+    numbers = list(dict.fromkeys(_numbers(examined)))
+    lines = dict.fromkeys(numbers)
     wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
     damped = bool(wanted and examined[-1][0].numerical_damping)
-    then = None
-    if damped:
-        then = span(wanted) if any(not line.startswith("#") for line in lines) else undamped(examined)
     step = STEP.get(code, "timestep {}")
     if largest is not None:
         own = [case.time_step for case, _ in examined if case.time_step is not None]
@@ -59,16 +58,48 @@ def lines(
         steps := [row.time_step for _, row in examined if row.time_step and _too_long(row, accepted)]
     ):
         lines[step.format(texts.rounded_down(min(steps)))] = None
-    if then is not None and float(then.split()[-1]) < 1.0:
-        lines[DAMPED.format(then)] = None
+    if damped:
+        numbered = any(not line.startswith("#") for line in numbers)
+        then = corrected(examined, numbers) if numbered else undamped(examined)
+        if then is not None and float(then.split()[-1]) < 1.0:
+            lines[DAMPED.format(then)] = None
     return list(lines)
 
 
 def undamped(examined: Examined) -> str | None:
     """ε without numerical damping; None if it is not known."""
-    epsilons = [restitution(replace(case, numerical_damping=None), row.speed) for case, row in examined]
+    epsilons = [_undamped(case, row) for case, row in examined]
     known = [epsilon for epsilon in epsilons if epsilon is not None]
     return span(known) if known and len(known) == len(epsilons) else None
+
+
+def _undamped(case: Case, row: CheckedContact) -> float | None:
+    return restitution(replace(case, numerical_damping=None), row.speed)
+
+
+def with_damping(case: Case) -> float | None:
+    """ε that the functor's ``en`` gives with the law that has its damping; None if the contact has this law."""
+    force = case.force
+    if not isinstance(force, ModelForce) or force.contact.asked is None:
+        return None
+    contact = force.contact
+    settings = {name: setting for name, setting in contact.settings.items() if name != "betan"}
+    settings["en"] = replace(contact.settings["betan"], words=(repr(contact.asked),))
+    damped = force_of(code("yade"), replace(contact, settings=settings, asked=None), None)
+    bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
+    return damped(*bodies, 1.0).collision(1.0).restitution
+
+
+def corrected(examined: Examined, lines: Iterable[str]) -> str | None:
+    """ε without numerical damping after these lines: as asked, but of contacts for which they have no number."""
+    left = {line[2:].partition(":")[0] for line in lines if line.startswith("#")}
+    pairs = [(case, row) for case, row in examined if _label(case) in left]
+    others = [
+        with_damping(case) or case.restitution_asked for case, _ in examined if _label(case) not in left
+    ]
+    values = [*others, *(_undamped(case, row) for case, row in pairs)]
+    known = [value for value in values if value is not None]
+    return span(known) if known else None
 
 
 def span(values: Sequence[float]) -> str:
@@ -100,7 +131,10 @@ def _numbers(examined: Examined) -> Iterator[str]:
         if wanted is None or not isinstance(force, ModelForce) or row.restitution is None or row.adhesive:
             continue
         if force.contact.asked is not None:
-            yield f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"
+            law = f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"
+            own = with_damping(case)
+            off = own is not None and abs(own - wanted) > TOLERATED
+            yield f"{law}; en={wanted:g} then gives ε = {digits(own or 0.0, 3)}" if off else law
             continue
         bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
         name = force.model.damping.number
@@ -114,7 +148,11 @@ def _numbers(examined: Examined) -> Iterator[str]:
                 continue
             new = f"{numbers[name]:.6g}"
             if wanted < 1.0 and (float(new) >= 1.0 if name == "restitution" else float(new) <= 0.0):
-                yield f"# {_label(case)}: for ε = {wanted:g}, {name} would be {new}, which removes all damping"
+                own = digits(pair_force.collision(1.0).restitution, 3)
+                yield (
+                    f"# {_label(case)}: for ε = {wanted:g}, {name} would be {new}, which removes all damping; "
+                    f"its ε is {own}"
+                )
                 continue
             line = (
                 replaced(setting, place, new)

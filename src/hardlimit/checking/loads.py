@@ -107,7 +107,14 @@ def load_of(
         return Load("gas")
     flows = rate is not None or (support.moves and support.shaking is None)
     name = "flow" if flows else "pressed" if pressed or not rests else "rest"
-    load = Load(name, packing=around.packing, shear_rate=rate, shaking=support.shaking)
+    load = Load(
+        name,
+        packing=around.packing,
+        shear_rate=rate,
+        gravity=stage.gravity,
+        density=_density(around),
+        shaking=support.shaking,
+    )
     return replace(load, **_pressure(stage, options, around, pressed))
 
 

@@ -4,24 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..support.formatting import digits, percent, quantity
+from ..support.formatting import digits, length, percent, quantity
 from .answer import stiffness
-from .at_rest import COLLISIONAL, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
+from .at_rest import COLLISIONAL, LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
 from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
 BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
-VERBS = {"rest": "Grains rest under", "pressed": "Grains are under", "flow": "Grains flow under"}
+VERBS = {
+    "shaken": "Grains rest under",
+    "rest": "Grains rest under",
+    "pressed": "Grains are under",
+    "flow": "Grains flow under",
+}
 
 
 def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     """The sentence after the answer, in at most about 260 letters; empty for a gas. ``plain``: in ``lj`` units."""
+    if state.grains is not None:
+        return " ".join(f"{part}." for part in (_few(state, plain), _step(state, plain)) if part)
+    if state.supposed_tc_nu is not None:
+        at = f"φ = {digits(state.packing_fraction or 0.0, 2)} and {_speed(state, plain)}"
+        return f"With {at} (not both are known) t_c ν would be {digits(state.supposed_tc_nu, 2)}."
     if state.name == "gas":
         return ""
-    if state.name == "shaken":
+    if state.name == "shaken" and state.shaking is not None:
         strength = state.shaking_strength
         shown = "" if strength is None else f"; S = (Aω)²/(g d) = {digits(strength, 2)}"
-        return f"Grains leave a floor with Γ > 1{shown}: {BEADS}." if state.shaking else ""
+        return f"Grains leave a floor with Γ > 1{shown}: {BEADS}."
     parts = [_softness(state, plain, dimension)]
     if state.inertial_number is not None:
         sign = "≥ " if state.pressure_is_bound else ""
@@ -33,11 +43,25 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     return " ".join(f"{part}." for part in parts if part)
 
 
+def _speed(state: GrainState, plain: bool) -> str:
+    return digits(state.impact_speed or 0.0, 2) + " m/s" * (not plain)
+
+
+def _few(state: GrainState, plain: bool) -> str:
+    """The contact of one or two grains at its impact."""
+    at, duration = _speed(state, plain), state.duration or 0.0
+    lasts = digits(duration, 2) if plain else quantity(duration, "s", 2)
+    supposed = " (supposed; --speed gives another)" * state.speed_is_chosen
+    which = {0: "Grains meet walls", 1: "One grain", 2: "Two grains"}[state.grains or 0]
+    numbers = f"ε = {digits(state.restitution or 0.0, 2)}, contact {lasts}"
+    return f"{which} only: at {at}{supposed} {numbers}, overlap {percent(state.overlap or 0.0)} of R"
+
+
 def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     """Pressure, κ_p, overlap, and the stiffness at the border of rigid grains."""
     if state.pressure is None:
         options = "--pressure or --height" if state.name == "rest" else "--pressure"
-        return f"Give {options} to know how soft they are"
+        return _border(state, plain, dimension, options)
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
     unit = "N/m" if dimension == 2 else "Pa"
     shown = f"p = {digits(state.pressure, 3)}" if plain else quantity(state.pressure, unit, 3)
@@ -53,12 +77,32 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     return f"{text}; {'still rigid (1e4) at' if kappa >= RIGID else 'rigid grains (1e4) take'} {needed}"
 
 
+def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str:
+    """What is known without the pressure: κ_p below 100 layers, and up to which pressure or height grains are rigid."""
+    border, depth, layers = state.pressure_for_rigid, state.height_for_rigid, state.layers_height
+    if border is None:
+        return f"Give {options} to know how soft they are"
+    if depth is None or layers is None:
+        unit = "N/m" if dimension == 2 else "Pa"
+        limit = digits(border, 2) if plain else quantity(border, unit, 2)
+        return f"Grains are rigid (κ_p ≥ 1e4) up to p = {limit}; {options} gives their own κ_p"
+    heights = [digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in (layers, depth)]
+    kappa, overlap = digits(state.layers_stiffness_number or 0.0, 2), percent(state.layers_overlap or 0.0)
+    below = f"Below {LAYERS} layers ({heights[0]}) κ_p = {kappa}, overlap {overlap} of R"
+    rigid = (
+        f"rigid (1e4) below {heights[1]}" if depth >= layers / LAYERS else "not rigid (1e4) below one layer"
+    )
+    return f"{below}; {rigid}; {options} gives their own"
+
+
 def _step(state: GrainState, plain: bool) -> str:
     """The longest stable step, and that of the script over it."""
     longest = state.largest_stable_step
     if longest is None:
         return ""
     limit = digits(longest, 2) if plain else quantity(longest, "s", 2)
+    if state.step_is_supposed:
+        limit += " up to this pressure" if state.layers_height is None else f" below {LAYERS} layers"
     if state.step_share is None:
         return f"Steps are stable below {limit}"
     return f"The step is {digits(state.step_share, 2)} of the longest stable one, {limit}"

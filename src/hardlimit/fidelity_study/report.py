@@ -12,6 +12,7 @@ from ..support.estimate import Estimate
 from ..support.formatting import at_least_two_digits, digits, listed, percent, percent_with_error
 from . import prediction
 from .replica import NEWTON
+from .starts import is_redrawn
 
 if TYPE_CHECKING:
     from .result import Departure, Fidelity
@@ -200,8 +201,15 @@ def _no_verdict(f: Fidelity, rules: list[str]) -> str | None:
         return "models has no rule to compare with Newton’s equations."
     if f.n_replicas < 2 and not f.driven:
         at = "" if math.isnan(f.tc_nu) else f" (t_c ν = {f.tc_nu:.2g})"
-        return f"one replica has no error bars{at}; ask for more, such as replicas=8."
+        return f"one replica has no error bars{at}; {_more(f)}."
     return None
+
+
+def _more(f: Fidelity) -> str:
+    """How to have more replicas; a start that is no gas cannot be drawn again."""
+    if is_redrawn(f.start):
+        return "ask for more, such as replicas=8"
+    return "more need a gas without gravity and moving walls, or a start that is drawn from a seed"
 
 
 def _defined(f: Fidelity, name: str, rules: list[str]) -> list[str]:

@@ -43,6 +43,7 @@ from .yade_filling import (
     cloud,
     ends_of,
     lot_of,
+    mean_radius,
     obstacle,
     radii_in,
     uniform,
@@ -128,13 +129,14 @@ FORCES: Final = {
 MOTION_NAMES: Final = """
 TranslationEngine RotationEngine HelixEngine HarmonicMotionEngine HarmonicRotationEngine BicyclePedalEngine
 StepDisplacer ServoPIDController TriaxialStressController TriaxialCompressionEngine PeriTriaxController
-PeriIsoCompressor Peri3dController CombinedKinematicEngine UniaxialStrainer KinemCTDEngine KinemSimpleShearBox
+PeriIsoCompressor Peri3dController ThreeDTriaxialEngine CombinedKinematicEngine UniaxialStrainer
+KinemCTDEngine KinemSimpleShearBox
 """
 MOTION: Final = frozenset(MOTION_NAMES.split())
 #: Those that prescribe a stress or a strain of all grains.
 PRESSING_NAMES: Final = """
 TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
-UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
+ThreeDTriaxialEngine UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
 """
 PRESSING: Final = frozenset(PRESSING_NAMES.split())
 #: The stresses of those that prescribe one, and which of them are stresses by default: a bit for each.
@@ -802,7 +804,7 @@ class Yade(Evaluator):
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
-        radius, centre = as_range(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
+        radius, centre = drawn(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
         body = self.body(instance, "sphere", radius)
         body.lot = uniform(None if body.several else 1.0, radius)
         body.ends = None if body.frozen else self.made_ends(instance)
@@ -863,7 +865,7 @@ class Yade(Evaluator):
             elif sizes:
                 pack.made.append(None)  # YADE may scale the sizes down
             else:
-                pack.made.append(fuzzy(instance.argument(2, "rMean"), instance.argument(3, "rRelFuzz", 0.0)))
+                pack.made.append(fuzzy(mean_radius(instance), instance.argument(3, "rRelFuzz", 0.0)))
         elif name == "add":
             pack.made.append(as_range(instance.argument(1, "radius")))
         elif name in ("load", "fromFile") and (listed := radii_in(self.folder, instance, True)):
@@ -1720,6 +1722,14 @@ def as_range(value: Any) -> Range | None:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
         return None
     return float(value), float(value)
+
+
+def drawn(value: Any) -> Range | None:
+    """A known positive number, or the ends of ``random.uniform``."""
+    if isinstance(value, Instance) and value.name == "uniform" and len(value.arguments) == 2:
+        ends = [as_range(end) for end in value.arguments]
+        return union(ends)
+    return as_range(value)
 
 
 def fuzzy(mean: Any, fuzz: Any) -> Range | None:

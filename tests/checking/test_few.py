@@ -1,0 +1,124 @@
+"""One or two grains, and grains that meet walls only: the number is that of a contact at its impact."""
+
+import math
+
+import pytest
+
+import hardlimit as hl
+
+#: A free sphere above a fixed one, or above a facet.
+PAIR = """
+O.materials.append(FrictMat(young=1e7, poisson=0.25, density=2600, frictionAngle=0.0))
+O.bodies.append([{bodies}])
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()]),
+    InteractionLoop(
+        [{meeting}],
+        [Ip2_FrictMat_FrictMat_MindlinPhys(en=0.8)],
+        [Law2_ScGeom_MindlinPhys_Mindlin()],
+    ),
+    NewtonIntegrator(damping=0, gravity=(0, 0, {gravity})),
+]
+O.dt = 1e-5
+O.run(100)
+"""
+TWO = "sphere((0, 0, 0), 0.01), sphere((0, 0, 0.0201), 0.01)"
+BOTH = "Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()"
+FACET = "facet([(-1, -1, 0), (1, -1, 0), (0, 1, 0)])"
+
+
+def pair(bodies=TWO, meeting=BOTH, gravity=0):
+    return PAIR.format(bodies=bodies, meeting=meeting, gravity=gravity)
+
+
+def test_two_grains_have_the_numbers_of_their_impact():
+    """YADE 2023.02a at 1 m/s, steps of 2 µs: overlap/R 0.0651327, ε 0.799948."""
+    state = hl.check(pair(), speed=1.0).state
+    assert (
+        state.grains == 2 and state.name == "gas" and state.impact_speed == 1.0 and not state.speed_is_chosen
+    )
+    assert state.overlap == pytest.approx(0.0651327, rel=2e-4)
+    assert state.restitution == pytest.approx(0.799948, rel=2e-4)
+    assert state.stiffness_number is None and state.coordination is None
+
+
+def test_without_a_speed_it_is_chosen_and_said():
+    verdict = hl.check(pair())
+    assert verdict.state.speed_is_chosen and verdict.state.impact_speed == 1.0
+    assert "Two grains only: at 1 m/s (supposed; --speed gives another) ε = 0.8" in verdict.sentence
+    assert verdict.admissible is None
+
+
+def test_a_fall_gives_the_speed_of_one_grain():
+    verdict = hl.check(pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81))
+    state = verdict.state
+    assert state.grains == 1 and state.name == "rest" and "One grain only" in verdict.sentence
+    assert state.impact_speed == pytest.approx(math.sqrt(2.0 * 9.81 * 0.5))  # from its centre, at most
+
+
+def test_grains_that_meet_only_walls():
+    """Without a functor for spheres they do not meet each other, however many there are."""
+    falling = "sphere((0.1 * k, 0, random.uniform(0.5, 1)), random.uniform(0.01, 0.02))"
+    text = pair(FACET, "Ig2_Facet_Sphere_ScGeom()", -9.81)
+    text = text.replace("O.engines", f"for k in range(30):\n    O.bodies.append({falling})\nO.engines")
+    verdict = hl.check(text)
+    assert verdict.state.grains == 0 and "Grains meet walls only" in verdict.sentence
+    many = hl.check(text.replace("Ig2_Facet_Sphere_ScGeom()", BOTH)).state
+    assert many.grains is None and many.layers_height is not None
+
+
+@pytest.mark.parametrize("damping", [0.0, 20.0])
+def test_the_longest_stable_step_of_an_isolated_contact(damping):
+    """k_n/m of two spheres; with a dashpot at the velocity half a step before, h ω = 2 (√(1 + ζ²) − ζ)."""
+    mass = 4.0 / 3.0 * math.pi * 1e-9 * 2500.0
+    script = f"""units si
+atom_style sphere
+region b block 0 1 0 1 0 1
+create_box 1 b
+create_atoms 1 single 0.2 0.5 0.5
+create_atoms 1 single 0.8 0.5 0.5
+set group all diameter 2e-3 density 2500
+pair_style granular
+pair_coeff * * hooke 1e4 {damping} damping mass_velocity
+fix i all nve/sphere
+timestep 1e-6
+run 10
+"""
+    state = hl.check(script.replace("mass_velocity", "velocity") if damping else script, speed=0.1).state
+    omega = math.sqrt(2.0 * 1e4 / mass)
+    zeta = damping / (2.0 * math.sqrt(0.5 * mass * 1e4)) if damping else 0.0
+    expected = 2.0 * (math.sqrt(1.0 + zeta**2) - zeta) / omega
+    assert state.grains == 2 and state.largest_stable_step == pytest.approx(expected)
+    assert state.step_share == pytest.approx(1e-6 / expected)
+
+
+def test_more_than_two_grains_or_a_pressure_have_another_number():
+    three = f"{TWO}, sphere((0, 0, 0.05), 0.01)"
+    assert hl.check(pair(three), speed=1.0).state.grains is None
+    pressed = hl.check(pair(), pressure=100.0).state
+    assert pressed.grains is None and pressed.stiffness_number is not None
+
+
+GAS = """units si
+atom_style sphere
+region b block 0 1 0 1 0 1
+create_box 1 b
+read_restart gas.bin
+pair_style granular
+pair_coeff * * hooke 1e4 0.02 damping velocity
+fix i all nve/sphere
+timestep 1e-6
+run 10
+"""
+
+
+@pytest.mark.parametrize("options", [{}, {"speed": 0.3}, {"packing_fraction": 0.2}])
+def test_a_gas_has_its_number_at_a_supposed_packing_and_speed(options):
+    """The one that it has where both are given; the answer stays that it cannot be said."""
+    size = {"radius": 1e-3, "density": 2500.0}
+    verdict = hl.check(GAS, **size, **options)
+    complete = hl.check(GAS, **size, **{"speed": 1.0, "packing_fraction": 0.1, **options})
+    assert verdict.state.supposed_tc_nu == pytest.approx(complete.rows[0].tc_nu)
+    assert complete.state.supposed_tc_nu is None and verdict.state.speed_is_chosen is ("speed" not in options)
+    assert verdict.admissible is None and "(not both are known) t_c ν would be" in verdict.sentence
