@@ -20,6 +20,7 @@ const common = {
 const licence = readFileSync("node_modules/@preact/signals-core/LICENSE", "utf8").trim();
 const footer = { js: `/*! @preact/signals-core\n${licence}\n*/` };
 await build({ ...common, footer, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
+await build({ ...common, entryPoints: ["src/app/tools.ts"], outfile: `${out}/tools.js` });
 await build({ ...common, entryPoints: ["src/core/first.ts"], format: "iife", outfile: `${out}/first.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
 await build({ ...common, entryPoints: ["src/gas/main.ts"], outfile: `${out}/gas.js` });

@@ -111,15 +111,15 @@ export class Site {
 export const laboratory = (query) =>
   /^gas|[?&](story|panel|page|a\.)/.test(query) ? query : `${query}${query ? "&" : "?"}page=lab`;
 
-// A click on an entry of the menu opens the menu first.
-const entries = new Set(["#copy", "#enlarge", "#pin", "#png", "#csv", "#toml", "#open", "#theme"]);
+// A click on an entry of a menu opens the menu first.
 function openMenu(page) {
   const click = page.click.bind(page);
   page.click = async (selector, options) => {
-    const menu = entries.has(selector) && (await page.$("#menu")); // the page of the gas has no menu
-    if (menu) await menu.evaluate((element) => (element.open = true));
+    const menu = /^#[a-z-]+$/.test(selector) && (await page.$(`details.menu:has(${selector})`));
+    const inside = menu && (await menu.evaluate((element, id) => !!element.querySelector(`div ${id}`), selector));
+    if (inside) await menu.evaluate((element) => (element.open = true));
     await click(selector, options);
-    if (menu) await menu.evaluate((element) => (element.open = false));
+    if (inside) await menu.evaluate((element) => (element.open = false));
   };
 }
 

@@ -101,7 +101,8 @@ class Page {
       });
     addEventListener("popstate", () => this.goBack());
     addEventListener("resize", () => this.headline.keepHeights(false));
-    listenMenu(state, this.pool, this.map, this.timeline.timeline, {
+    const plots = { map: this.map, timeline: this.timeline.timeline, rebound: this.presenter.rebound };
+    listenMenu(state, this.pool, plots, {
       undo: () => this.undo(),
       put: (scenario) => {
         state.scenario = scenario;
@@ -123,7 +124,7 @@ class Page {
     Object.assign(state.view, view);
     Object.assign(state.view.map, map, preset.map);
     Object.assign(state.story, firstStoryView());
-    viewFromQuery(state.view, query, notes);
+    viewFromQuery(state.view, query, notes, scenario);
     storyFromQuery(state.story, query, notes);
     this.note(notes);
     state.playing = state.view.time === null && moves();
@@ -173,8 +174,7 @@ class Page {
     this.headline.keepHeights(false);
     state.enterHistory();
     state.scenario = copyOf(preset.scenario);
-    state.view.map.zoom = null;
-    Object.assign(state.view.map, preset.map);
+    Object.assign(state.view.map, { across: "e", zoom: null }, preset.map);
     this.map.map.setShow(state.view.map.show);
     state.view.time = null;
     state.screen = 0;

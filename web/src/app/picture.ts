@@ -2,18 +2,13 @@
 import { clockText, drawMoment } from "../views/film";
 import { drawForces } from "../views/forces";
 import { withUnit } from "../support/format";
-import type { ContactMap } from "../map/map";
+import type { MapPanel } from "../map/map_panel";
 import { joined } from "../support/sentence";
 import { constantAt, constants, constantsOf, type Scenario } from "../scenario/scenario";
 import type { State } from "../state/state";
 import type { Timeline } from "../views/timeline";
 
-export function picture(
-  state: State,
-  timeline: Timeline,
-  map: ContactMap,
-  marked: [number, number],
-): HTMLCanvasElement {
+export function picture(state: State, timeline: Timeline, map: MapPanel): HTMLCanvasElement {
   const [width, height] = [1600, 1200];
   const [canvas, g] = sharpCanvas(width, height);
   const { theme } = state;
@@ -28,7 +23,7 @@ export function picture(
   part(20, 96, 770, 540, (own) => void drawMoment(own, 770, 540, state));
   part(820, 96, 760, 540, (own) => void drawForces(own, 760, 540, d, theme));
   part(20, 656, 770, 460, (own) => void timeline.draw(own, 770, 460, d, theme));
-  part(820, 656, 760, 460, (own) => void map.draw(own, 760, 460, state.view.map.axis, marked, theme, null));
+  part(820, 656, 760, 460, (own) => void map.paint(own, 760, 460, theme));
   g.textBaseline = "alphabetic";
   g.font = `600 26px ${theme.font}`;
   const { report } = state;
@@ -52,7 +47,7 @@ function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasR
   return [canvas, g];
 }
 
-function parameters(s: Scenario): string {
+export function parameters(s: Scenario): string {
   const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
   const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
   const law = constantsOf(s)

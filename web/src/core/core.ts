@@ -52,7 +52,7 @@ export interface Run {
 }
 
 // In the order of Answer and Ground in core/column/comparison.hpp.
-const answers = ["yes", "by luck", "no", "undecided"] as const;
+export const answers = ["yes", "by luck", "no", "undecided"] as const;
 const grounds = [
   "numbers",
   "newton-unclear",
@@ -117,7 +117,10 @@ export interface TimelineRow {
   contacts: Contact[];
 }
 
-export const MAP_VALUES = 3; // contacts, ε_eff/ε at t_f, ε_eff/ε at separation
+// Of Outcome in core/base/outcome.hpp.
+export const failures = { invalid: 3, unresolved: 5, neverLands: 6, tooDeep: 7 };
+
+export const SCAN_VALUES = 3; // contacts, ε_eff/ε at t_f, ε_eff/ε at separation
 
 export class Core {
   private readonly x: Exports;
@@ -229,14 +232,14 @@ export class Core {
     return this.view(pointer + 8 * n, n).slice();
   }
 
-  // (ε, y) pairs → MAP_VALUES numbers each.
+  // (ε, y) pairs → SCAN_VALUES numbers each.
   scan(axis: number, points: Float64Array): Float64Array {
     const n = points.length / 2;
-    const pointer = this.x.scratch(points.length + MAP_VALUES * n);
+    const pointer = this.x.scratch(points.length + SCAN_VALUES * n);
     this.view(pointer, points.length).set(points);
     const out = pointer + 8 * points.length;
     this.x.scan_points(axis, n, pointer, out);
-    return this.view(out, MAP_VALUES * n).slice();
+    return this.view(out, SCAN_VALUES * n).slice();
   }
 
   timeline(model: Model, restitution: number[]): TimelineRow[] {

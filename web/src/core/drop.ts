@@ -1,7 +1,7 @@
 // One scenario solved by both models, with the data for the plots. solve() runs in a worker and returns
 // plain data; Drop adds derived values.
 import { Clock, windowsOf, type Window } from "./clock";
-import { Model, type Comparison, type Contact, type Core, type Run, type State } from "./core";
+import { Model, failures, type Comparison, type Contact, type Core, type Run, type State } from "./core";
 import { Motion, type Samples } from "./motion";
 import { GRAVITY, type Scenario } from "../scenario/scenario";
 import { usualTolerance } from "../scenario/tolerance";
@@ -68,8 +68,6 @@ export function dropOf(s: Solved): Drop {
   };
 }
 
-const outcomes = { invalid: 3, neverLands: 6 };
-
 const greatest = (values: Iterable<number>, least: number): number => {
   let most = least;
   for (const x of values) if (x > most) most = x;
@@ -78,7 +76,7 @@ const greatest = (values: Iterable<number>, least: number): number => {
 
 function sequence(core: Core, model: Model): Track | null {
   const run = core.solve(model);
-  if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands)
+  if (!run || !Number.isFinite(run.last) || run.outcome === failures.invalid || run.outcome === failures.neverLands)
     return null;
   const [final] = core.sample(model, [run.last]);
   const samples = { times: new Float64Array(), rows: new Float64Array(), balls: final.position.length };

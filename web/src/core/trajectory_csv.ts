@@ -3,7 +3,8 @@ import { Clock } from "./clock";
 import { Model, type Core } from "./core";
 import { solve, type Solved } from "./drop";
 import { exactNumbers } from "./exact_numbers";
-import { toToml, type Scenario } from "../scenario/scenario";
+import { csvText } from "../support/csv";
+import { settingLines, type Scenario } from "../scenario/scenario";
 
 // Rows are equidistant in the time of the film, and therefore dense in contacts. Unknown values are nan. Null: no data.
 export function trajectoryCsv(core: Core, scenario: Scenario): string | null {
@@ -22,9 +23,11 @@ export function trajectoryCsv(core: Core, scenario: Scenario): string | null {
     });
     numbers.push(rows.map((row, k) => (times[k] <= t.known ? row : row.map(() => NaN))));
   }
-  const text = (x: number): string => (Number.isFinite(x) ? String(x) : "nan");
-  const lines = times.map((_, k) => numbers.flatMap((part) => part[k].map(text)).join());
-  return [...preamble(d), columns(n).join(), ...lines].join("\n") + "\n";
+  return csvText(
+    preamble(d),
+    columns(n),
+    times.map((_, k) => numbers.flatMap((part) => part[k])),
+  );
 }
 
 function timesOf(d: Solved): number[] {
@@ -37,16 +40,13 @@ function timesOf(d: Solved): number[] {
 }
 
 function preamble(d: Solved): string[] {
-  const lines = toToml(d.scenario)
-    .trimEnd()
-    .split("\n")
-    .filter((x) => x !== "");
+  const lines = settingLines(d.scenario);
   lines.push(
     `time: s after ${d.scenario.cradle ? "release" : "the first floor touch"}; lengths m, velocities m/s, forces ` +
       `N, energies J`,
   );
   for (const [key, value] of Object.entries(exactNumbers(d))) lines.push(`${key} = ${value ?? "nan"}`);
-  return lines.map((x) => `# ${x}`);
+  return lines;
 }
 
 function columns(n: number): string[] {

@@ -2,6 +2,7 @@
 import { opening } from "./opening"; // first
 import { Core, Model, type TimelineRow } from "./core";
 import { solve, type Answered, type Solved, type Unsolved } from "./drop";
+import { mapPoints, type MapTask } from "./map_points";
 import { risesOf } from "./rises";
 import { questionOf } from "../scenario/link";
 import type { Scenario } from "../scenario/scenario";
@@ -10,8 +11,8 @@ import { trajectoryCsv } from "./trajectory_csv";
 export interface Tasks {
   solve: { ask: { scenario: Scenario; tolerance: number }; answer: Solved | Unsolved };
   csv: { ask: { scenario: Scenario }; answer: string | null };
-  // Points (ε, y) of a map; MAP_VALUES numbers each.
-  points: { ask: { column: Float64Array; axis: number; points: Float64Array }; answer: Float64Array };
+  // Points of a map; MAP_VALUES numbers each.
+  points: { ask: MapTask; answer: Float64Array };
   // For each column the rebound height of its top ball under both models.
   curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
   // For each ε the gap from which on both models agree.
@@ -50,10 +51,7 @@ const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["an
   solve: ({ scenario, tolerance }, id) =>
     solve(core, scenario, tolerance, (what, share, known) => post({ id, ms: 0, begun: { what, share, known } })),
   csv: ({ scenario }) => trajectoryCsv(core, scenario),
-  points({ column, axis, points }) {
-    core.setColumn(column);
-    return core.scan(axis, points);
-  },
+  points: (ask) => mapPoints(core, ask),
   curve: ({ columns }) => risesOf(core, columns),
   agreement({ column, restitution, low, high, tolerance }) {
     core.setColumn(column);

@@ -1,11 +1,13 @@
-// The map of contact counts or of ε_eff/ε over ε and the gap or R1/R2 (Figs. 4–6), computed in workers, coarse first.
-import { MAP_VALUES } from "../core/core";
+// The map of contact counts, of ε_eff/ε or of verdicts over two axes (Figs. 4–6), computed in workers, coarse first.
+import { MAP_VALUES, type MapTask } from "../core/map_points";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { Scale } from "../support/plot";
-import { columnOf, type Scenario } from "../scenario/scenario";
+import { axes } from "../scenario/axes";
+import { copyOf, type Scenario } from "../scenario/scenario";
 import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
-import type { Box, MapAxis, MapShow } from "../scenario/view";
+import type { Limits } from "../scenario/axes";
+import type { Box, MapAxis, MapShow, MapView } from "../scenario/view";
 import { drawMap, type Layer, type MapLayout } from "./map_drawing";
 import { Raster, SIDE, type CountLabel } from "./map_raster";
 import type { Agreement } from "./trust";
@@ -26,8 +28,7 @@ export class ContactMap {
   private before: Layer | null = null; // previous picture, until there is a new one
   private queue: { stride: number; column: number; from: number }[] = []; // remaining points of a column
   private sent = 0; // batches of this job that workers compute
-  private column: Float64Array = new Float64Array();
-  private axis: MapAxis = "gap";
+  private task: Omit<MapTask, "points"> | null = null;
   private job = 0;
   private began = NaN; // when the first points were requested
   private perPoint = 0; // mean time of a point [ms]; 0: not measured yet
@@ -49,7 +50,8 @@ export class ContactMap {
   }
 
   // `keep`: the previous picture shows a part of the same map and is kept until it is overwritten.
-  start(scenario: Scenario, axis: MapAxis, box: Box, keep: boolean): void {
+  // `tolerance`: of the verdict; null: the verdict is not computed.
+  start(scenario: Scenario, axes: [x: MapAxis, y: MapAxis], tolerance: number | null, box: Box, keep: boolean): void {
     this.job++;
     this.before = keep ? { sheet: this.raster.copy(), box: this.box } : null;
     this.raster.clear();
@@ -63,8 +65,7 @@ export class ContactMap {
     this.began = NaN;
     for (const stride of strides)
       for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
-    this.column = columnOf(scenario);
-    this.axis = axis;
+    this.task = { scenario: copyOf(scenario), axes, tolerance };
     this.received++;
     this.pool.wake();
   }
@@ -90,16 +91,10 @@ export class ContactMap {
     }
     if (Number.isNaN(this.began)) this.began = performance.now();
     if (at.length === 0) return null;
-    const x = this.scaleX(0, SIDE);
-    const y = this.scaleY(0, SIDE);
-    const points = new Float64Array(2 * at.length);
-    at.forEach((place, k) => {
-      points[2 * k] = x.value((place % SIDE) + 0.5);
-      points[2 * k + 1] = y.value(Math.floor(place / SIDE) + 0.5);
-    });
+    const points = Float64Array.from(at.flatMap((place) => this.pointOf(place)));
     const batch: Batch = { job: this.job, stride, at };
     this.sent++;
-    const ask = { column: this.column, axis: this.axis === "gap" ? 0 : 1, points };
+    const ask = { ...this.task!, points };
     return piece<"points">({ kind: "points", ask, done: (values, ms) => this.receive(batch, values, ms) });
   }
 
@@ -117,7 +112,7 @@ export class ContactMap {
     const level = this.levelDone();
     const over = this.queue.length === 0 && this.sent === 0;
     if (over) this.elapsed = performance.now() - this.began;
-    if ((over || level) && batch.stride <= 4) this.labels = this.raster.labels();
+    if ((over || level) && (batch.stride <= 4 || over)) this.labels = this.raster.labels();
     this.received++;
   }
 
@@ -134,27 +129,34 @@ export class ContactMap {
     return true;
   }
 
-  private scaleX(from: number, to: number): Scale {
-    return new Scale(this.box.x[0], this.box.x[1], from, to);
-  }
-  private scaleY(from: number, to: number): Scale {
-    return new Scale(this.box.y[0], this.box.y[1], from, to, true);
+  private pointOf(place: number): [number, number] {
+    const { box, task } = this;
+    const value = ([low, high]: Limits, axis: MapAxis, i: number): number =>
+      new Scale(low, high, 0, SIDE, axes[axis].log).value(i + 0.5);
+    return [value(box.x, task!.axes[0], place % SIDE), value(box.y, task!.axes[1], Math.floor(place / SIDE))];
   }
 
-  shows(restitution: number, y: number): boolean {
-    const { x, y: v } = this.box;
-    return restitution >= x[0] && restitution <= x[1] && y >= v[0] && y <= v[1];
+  shows(across: number, up: number): boolean {
+    const { x, y } = this.box;
+    return across >= x[0] && across <= x[1] && up >= y[0] && up <= y[1];
+  }
+
+  // The computed points with their values, in rows for a CSV file.
+  rows(): number[][] {
+    return this.raster.computed().map(({ place, values }) => [...this.pointOf(place), ...values]);
   }
 
   setShow(show: MapShow): void {
     this.raster.setShow(show);
+    this.labels = this.elapsed === null ? [] : this.raster.labels();
   }
 
   draw(
     g: CanvasRenderingContext2D,
     w: number,
     h: number,
-    axis: MapAxis,
+    scenario: Scenario,
+    map: MapView,
     mark: [number, number],
     theme: Theme,
     agreement: Agreement | null,
@@ -162,8 +164,9 @@ export class ContactMap {
   ): MapLayout {
     void this.received;
     if (this.elapsed !== null) this.before = null;
-    const { show, greatest } = this.raster;
+    const { greatest, kinds } = this.raster;
     const layers = [...(this.before ? [this.before] : []), { sheet: this.raster.picture(), box: this.box }];
-    return drawMap(g, w, h, { layers, view, axis, show, labels: this.labels, greatest, mark, agreement }, theme);
+    const { labels } = this;
+    return drawMap(g, w, h, { layers, view, scenario, map, labels, greatest, kinds, mark, agreement }, theme);
   }
 }

@@ -1,9 +1,22 @@
 // A map as a picture: its points, axes, names of the regions, the present setting and the legend.
-import { logTicks, niceTicks, withUnit } from "../support/format";
-import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "../support/plot";
-import { countColor, css, inkOn, MOST_COUNTED, ratioColor, type Theme } from "../style/theme";
+import { digits, logTicks, niceTicks, takesPrefix, withUnit } from "../support/format";
+import { drawAxes, fontSize, grown, Scale, setFont, stroke, type AxisText, type Frame } from "../support/plot";
+import {
+  countColor,
+  css,
+  inkOn,
+  invalidColor,
+  MOST_COUNTED,
+  noRatioColor,
+  ratioColor,
+  verdictColors,
+  type Rgb,
+  type Theme,
+} from "../style/theme";
+import { axes } from "../scenario/axes";
+import type { Scenario } from "../scenario/scenario";
 import { drawTrust, type Agreement } from "./trust";
-import type { Box, MapAxis, MapShow } from "../scenario/view";
+import type { Box, MapAxis, MapShow, MapView } from "../scenario/view";
 import type { CountLabel } from "./map_raster";
 
 export interface Layer {
@@ -13,10 +26,11 @@ export interface Layer {
 export interface MapPicture {
   layers: Layer[]; // the last one on top
   view: Box; // range of the axes, which may differ from the computed range
-  axis: MapAxis;
-  show: MapShow;
+  scenario: Scenario;
+  map: Pick<MapView, "axis" | "across" | "show">;
   labels: CountLabel[]; // of the last layer
   greatest: number; // count
+  kinds: ReadonlySet<string>; // colours beside the scale
   mark: [number, number];
   agreement: Agreement | null;
 }
@@ -33,8 +47,9 @@ export function drawMap(g: CanvasRenderingContext2D, w: number, h: number, p: Ma
   const left = 4.6 * size;
   const legend = 1.9 * size;
   const f: Frame = { left, top: 2.2 * size, width: w - left - 0.8 * size, height: h - 5.6 * size - legend };
-  const x = new Scale(p.view.x[0], p.view.x[1], f.left, f.left + f.width);
-  const y = new Scale(p.view.y[0], p.view.y[1], f.top + f.height, f.top, true);
+  const { axis, across, show } = p.map;
+  const x = new Scale(p.view.x[0], p.view.x[1], f.left, f.left + f.width, axes[across].log);
+  const y = new Scale(p.view.y[0], p.view.y[1], f.top + f.height, f.top, axes[axis].log);
   g.imageSmoothingEnabled = false;
   g.fillStyle = theme.faint;
   g.fillRect(f.left, f.top, f.width, f.height);
@@ -46,38 +61,33 @@ export function drawMap(g: CanvasRenderingContext2D, w: number, h: number, p: Ma
     const [left, right, low, high] = [x.at(box.x[0]), x.at(box.x[1]), y.at(box.y[0]), y.at(box.y[1])];
     g.drawImage(sheet, left, high, right - left, low - high);
   }
-  if (p.show === "count") drawLabels(g, x, y, p, theme, size);
-  else if (p.agreement) drawTrust(g, p.agreement, x, y, f, theme, size);
+  if (p.labels.length > 0) drawLabels(g, x, y, p, theme, size);
+  if (p.agreement) drawTrust(g, p.agreement, x, y, f, theme, size);
   g.restore();
-  drawAxes(
-    g,
-    f,
-    x,
-    y,
-    {
-      ticks: niceTicks(x.low, x.high, Math.max(3, f.width / (5 * size))),
-      name: (t) => String(Number(t.toPrecision(6))),
-      title: "ε",
-    },
-    {
-      ticks: logTicks(y.low, y.high),
-      name: (t) => (p.axis === "gap" ? withUnit(t, "m", 4) : String(Number(t.toPrecision(4)))),
-      title: p.axis === "gap" ? "gap Δh" : "R₁/R₂",
-    },
-    theme,
-    size,
-    false,
-  );
-  drawMark(g, f, x, y, p.axis, p.mark, grown(size));
-  drawLegend(g, f, h - legend, p, theme, size);
+  const most = f.width / (5 * size);
+  drawAxes(g, f, x, y, textOf(p, across, x, most), textOf(p, axis, y, f.height / (3 * size)), theme, size, false);
+  drawMark(g, f, x, y, p, grown(size));
+  drawLegend(g, f, h - legend, p, show, theme, size);
   return { x, y, frame: f };
+}
+
+function textOf({ scenario }: MapPicture, axis: MapAxis, scale: Scale, wanted: number): AxisText {
+  const { title, unit, log } = axes[axis];
+  const units = unit(scenario);
+  const plain = units === "" || !takesPrefix(units);
+  return {
+    ticks: log ? logTicks(scale.low, scale.high) : niceTicks(scale.low, scale.high, Math.max(3, wanted)),
+    name: (t) =>
+      !plain ? withUnit(t, units, 4) : log && t >= 1e5 ? digits(t) : String(Number(t.toPrecision(log ? 4 : 6))),
+    title: title(scenario) + (plain && units ? ` (${units})` : ""),
+  };
 }
 
 function drawLabels(
   g: CanvasRenderingContext2D,
   x: Scale,
   y: Scale,
-  { labels, layers }: MapPicture,
+  { labels, layers, map }: MapPicture,
   theme: Theme,
   size: number,
 ): void {
@@ -85,40 +95,40 @@ function drawLabels(
   g.textAlign = "center";
   g.textBaseline = "middle";
   const { box } = layers[layers.length - 1];
-  const across = new Scale(box.x[0], box.x[1], 0, 1);
-  const up = new Scale(box.y[0], box.y[1], 0, 1, true);
-  for (const label of labels) {
-    if (Number.isNaN(label.n)) continue;
-    g.fillStyle = inkOn(countColor(label.n));
-    g.fillText(String(label.n), x.at(across.value(label.x)), y.at(up.value(label.y)));
+  const across = new Scale(box.x[0], box.x[1], 0, 1, x.log);
+  const up = new Scale(box.y[0], box.y[1], 0, 1, y.log);
+  const verdict = map.show === "verdict";
+  for (const { n, x: right, y: high, share } of labels) {
+    if (Number.isNaN(n)) continue;
+    const color = verdict ? verdictColors[n] : countColor(n);
+    const name = verdict ? verdictNames[n] : n === 1 ? "1 contact" : `${n} contacts`;
+    // The whole name where its region has room for it.
+    const room = 1.8 * share * (x.at(box.x[1]) - x.at(box.x[0]));
+    const fits = g.measureText(name).width < room;
+    if (!fits && verdict) continue;
+    g.fillStyle = inkOn(color);
+    g.fillText(fits ? name : String(n), x.at(across.value(right)), y.at(up.value(high)));
   }
 }
 
-function drawMark(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  x: Scale,
-  y: Scale,
-  axis: MapAxis,
-  [e, v]: [number, number],
-  large: number,
-): void {
+function drawMark(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, p: MapPicture, large: number): void {
   g.save();
   g.beginPath();
   g.rect(f.left, f.top, f.width, f.height);
   g.clip();
-  const [px, py] = [x.at(e), v > 0 ? y.at(v) : f.top + f.height - 1];
+  // Gap 0 has no place on a logarithmic axis.
+  const px = p.mark[0] > 0 ? x.at(p.mark[0]) : f.left + 1;
+  const py = p.mark[1] > 0 ? y.at(p.mark[1]) : f.top + f.height - 1;
+  const { axis, across } = p.map;
   for (const [color, width] of [
     ["#ffffff", 5],
     ["#14161a", 2],
   ] as const) {
     g.strokeStyle = color;
+    g.lineWidth = 0.5 * width * large; // equal radii
+    if (axis === "ratio" && y.low < 1 && y.high > 1) stroke(g, f.left, y.at(1), f.left + f.width, y.at(1));
+    if (across === "ratio" && x.low < 1 && x.high > 1) stroke(g, x.at(1), f.top, x.at(1), f.top + f.height);
     g.lineWidth = width * large;
-    if (axis === "ratio" && y.low < 1 && y.high > 1) {
-      g.lineWidth = 0.5 * width * large;
-      stroke(g, f.left, y.at(1), f.left + f.width, y.at(1));
-      g.lineWidth = width * large;
-    }
     stroke(g, px - 11 * large, py, px + 11 * large, py);
     stroke(g, px, py - 11 * large, px, py + 11 * large);
     g.beginPath();
@@ -128,37 +138,83 @@ function drawMark(
   g.restore();
 }
 
+const legendNames: Record<MapShow, string> = {
+  count: "ball–ball contacts (Newton)",
+  effective: "effective ε over ε",
+  separation: "effective ε over ε, at separation",
+  verdict: "independent collisions and Newton",
+};
+// In the order of the core's answers.
+export const verdictNames = ["agree", "by luck", "do not agree", "cannot be said"];
+
+// The name of the colours, the scale, and what is beside it.
 function drawLegend(
   g: CanvasRenderingContext2D,
   f: Frame,
   top: number,
-  { show, greatest }: MapPicture,
+  p: MapPicture,
+  show: MapShow,
   theme: Theme,
   size: number,
 ): void {
-  const height = 1.5 * size;
-  g.textBaseline = "middle";
-  if (show === "count") {
-    drawCounts(g, f, Math.min(MOST_COUNTED, Math.max(greatest, 4)), greatest > MOST_COUNTED, top, size, theme);
-    return;
-  }
   setFont(g, theme, 0.95 * size);
-  const width = Math.min(0.55 * f.width, 15 * size);
-  for (let i = 0; i < width; i++) {
-    g.fillStyle = css(ratioColor(i / width));
-    g.fillRect(f.left + 1.2 * size + i, top, 1.5, height);
-  }
   g.fillStyle = theme.ink;
   g.textAlign = "left";
-  g.fillText("0", f.left, top + height / 2);
-  g.fillText("1", f.left + width + 1.6 * size, top + height / 2);
-  g.fillStyle = css(ratioColor(1.5));
-  g.fillRect(f.left + width + 3.4 * size, top, height, height);
-  g.fillStyle = theme.ink;
-  g.fillText("above 1", f.left + width + 5.3 * size, top + height / 2);
+  g.textBaseline = "top";
+  g.fillText(legendNames[show], f.left, f.top + f.height + 7 + 1.3 * size);
+  g.textBaseline = "middle";
+  const swatches = swatchesOf(p, show);
+  const width = (name: string): number => 2.2 * size + g.measureText(name).width;
+  const beside = swatches.reduce((sum, [name]) => sum + width(name), 0);
+  let at = f.left;
+  if (show === "count") {
+    const last = Math.min(MOST_COUNTED, Math.max(p.greatest, 4));
+    at =
+      drawCounts(g, { ...f, width: f.width - beside }, last, p.greatest > MOST_COUNTED, top, size, theme) + 0.6 * size;
+  } else if (show !== "verdict")
+    at = drawRatios(g, f.left, Math.min(15 * size, f.width - beside - 3 * size), top, size, theme);
+  setFont(g, theme, 0.95 * size);
+  g.textAlign = "left";
+  for (const [name, color] of swatches) {
+    g.fillStyle = css(color);
+    g.fillRect(at, top, 1.2 * size, 1.5 * size);
+    g.fillStyle = theme.ink;
+    g.fillText(name, at + 1.5 * size, top + 0.75 * size);
+    at += width(name);
+  }
 }
 
-// The colour legend up to `last`; open: the last field also stands for larger counts.
+function swatchesOf({ kinds }: MapPicture, show: MapShow): [string, Rgb][] {
+  const list: [string, Rgb][] =
+    show === "verdict" ? verdictNames.slice(0, 3).map((name, i) => [name, verdictColors[i]]) : [];
+  if (kinds.has("above")) list.push(["above 1", ratioColor(1.5)]);
+  if (kinds.has("none")) list.push(["none", noRatioColor]);
+  if (kinds.has("invalid") || show === "verdict")
+    list.push([show === "verdict" ? verdictNames[3] : "no answer", invalidColor]);
+  return list;
+}
+
+// From 0 to 1; returns where it ends.
+function drawRatios(
+  g: CanvasRenderingContext2D,
+  left: number,
+  width: number,
+  top: number,
+  size: number,
+  theme: Theme,
+): number {
+  const height = 1.5 * size;
+  for (let i = 0; i < width; i++) {
+    g.fillStyle = css(ratioColor(i / width));
+    g.fillRect(left + 1.2 * size + i, top, 1.5, height);
+  }
+  g.fillStyle = theme.ink;
+  g.fillText("0", left, top + height / 2);
+  g.fillText("1", left + width + 1.6 * size, top + height / 2);
+  return left + width + 3.2 * size;
+}
+
+// The colour legend up to `last`; open: the last field also stands for larger counts. Returns where it ends.
 export function drawCounts(
   g: CanvasRenderingContext2D,
   f: Frame,
@@ -167,7 +223,7 @@ export function drawCounts(
   top: number,
   size: number,
   theme: Theme,
-): void {
+): number {
   const height = 1.5 * size;
   const width = Math.min(2.4 * size, f.width / (last + (open ? 1.6 : 1)));
   setFont(g, theme, Math.min(0.95 * size, 0.6 * width), 600);
@@ -181,4 +237,5 @@ export function drawCounts(
     g.fillStyle = inkOn(countColor(n));
     g.fillText(more ? `${n}+` : String(n), f.left + n * width + 0.5 * own, top + height / 2 + 1);
   }
+  return f.left + (last + (open ? 1.6 : 1)) * width;
 }

@@ -1,9 +1,10 @@
 // Pointer and keys of the map.
 import type { Box } from "../scenario/view";
+import type { Scale } from "../support/plot";
 import { moved } from "../support/touch";
 import type { MapLayout } from "./map_drawing";
 
-export type Point = [number, number]; // ε, and gap [m] or R1/R2
+export type Point = [x: number, y: number]; // on the axes of the map
 
 export interface MapActions {
   layout(): MapLayout | null;
@@ -62,16 +63,16 @@ function listenKeys(canvas: HTMLCanvasElement, map: MapActions): void {
   canvas.addEventListener("keydown", (event) => {
     const layout = map.layout();
     if (!layout) return;
-    const { x, y } = layout;
-    const [e, at] = map.marked();
-    const dx = (x.high - x.low) / 100;
-    const dy = (y.high / y.low) ** 0.01;
-    const base = Math.max(at, y.low);
+    const [x, y] = map.marked();
+    // From a value to the next one on its axis. On a logarithmic axis gap 0 is at its low end.
+    const step = ({ low, high, log }: Scale, at: number, by: number): number =>
+      log ? Math.max(at, low) * (high / low) ** (0.01 * by) : at + 0.01 * by * (high - low);
+    const go = (right: number, up: number): void => map.choose([step(layout.x, x, right), step(layout.y, y, up)]);
     const actions: Record<string, () => void> = {
-      ArrowLeft: () => map.choose([e - dx, base]),
-      ArrowRight: () => map.choose([e + dx, base]),
-      ArrowUp: () => map.choose([e, base * dy]),
-      ArrowDown: () => map.choose([e, base / dy]),
+      ArrowLeft: () => go(-1, 0),
+      ArrowRight: () => go(1, 0),
+      ArrowUp: () => go(0, 1),
+      ArrowDown: () => go(0, -1),
       "+": () => map.zoom(1.6),
       "=": () => map.zoom(1.6),
       "-": () => map.zoom(1 / 1.6),

@@ -1,5 +1,5 @@
 // The panel of the map: what it shows, its drawing, its choices.
-import { find, setText, type Sheet } from "../support/dom";
+import { changes, find, setText, type Sheet } from "../support/dom";
 import { digits } from "../support/format";
 import { ContactMap } from "./map";
 import type { MapLayout } from "./map_drawing";
@@ -9,9 +9,11 @@ import { listen, type Point } from "./map_input";
 import { MapReading } from "./map_reading";
 import type { Pool } from "../core/pool";
 import type { Trusted } from "../report/facts";
-import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "../scenario/scenario";
+import { axes, hasAxis, mapAxes, placed, type MapAxis } from "../scenario/axes";
+import { lowestHeight, type Scenario } from "../scenario/scenario";
 import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
+import type { Theme } from "../style/theme";
 import { mapLimits, wholeMap, type Box, type View } from "../scenario/view";
 
 export class MapPanel {
@@ -53,29 +55,36 @@ export class MapPanel {
   // Maps available for this scenario.
   refreshChoices(): void {
     const { scenario: s, view } = this.state;
-    const axis = find<HTMLSelectElement>("map-axis");
-    axis.options[1].disabled = s.cradle;
-    if (s.cradle) view.map.axis = "gap";
+    if (!hasAxis(s, view.map.axis)) view.map.axis = view.map.across === "gap" ? "e" : "gap";
+    if (!hasAxis(s, view.map.across)) view.map.across = view.map.axis === "e" ? "gap" : "e";
+    for (const key of ["axis", "across"] as const) this.fillAxes(find(`map-${key}`), view.map[key]);
     const show = find<HTMLSelectElement>("map-show");
     const pairOnly = s.balls.length !== 2 || s.cradle;
     for (const i of [1, 2]) show.options[i].disabled = pairOnly;
-    if (pairOnly && view.map.show !== "count") {
+    if (pairOnly && show.querySelector(`[value=${view.map.show}]:disabled`)) {
       view.map.show = "count";
       this.map.setShow("count");
     }
-    if (axis.value !== view.map.axis) axis.value = view.map.axis;
     if (show.value !== view.map.show) show.value = view.map.show;
-    setText(
-      find("map-title"),
-      view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball",
-    );
+    setText(find("map-title"), `Every ${axes[view.map.across].noun} and every ${axes[view.map.axis].noun}`);
+  }
+
+  // The names of axes depend on the contact law.
+  private fillAxes(select: HTMLSelectElement, chosen: MapAxis): void {
+    const { scenario: s } = this.state;
+    const options = mapAxes.map((axis) => [axes[axis].title(s), axis, hasAxis(s, axis)] as const);
+    if (changes(select, JSON.stringify(options)))
+      select.replaceChildren(
+        ...options.map(([title, axis, has]) => Object.assign(new Option(title, axis), { disabled: !has })),
+      );
+    if (select.value !== chosen) select.value = chosen;
   }
 
   // The map of ε_eff/ε over the gap, if available.
   showTrusted(): void {
     const { view, scenario } = this.state;
     const pair = scenario.balls.length === 2 && !scenario.cradle;
-    Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
+    Object.assign(view.map, { axis: "gap", across: "e", zoom: null, show: pair ? "effective" : "count" });
     const { x, y } = this.box();
     // Extended towards the region of agreement.
     this.showAs({ ...view.map, zoom: { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] } });
@@ -90,8 +99,7 @@ export class MapPanel {
 
   // Gap above which both models agree for the present ε; null: not computed.
   trusted(): Trusted | null {
-    const { view } = this.state;
-    if (view.map.show === "count" || view.map.axis !== "gap" || !this.agreement.present) return null;
+    if (!this.hasLine || !this.agreement.present) return null;
     return { gap: this.agreement.present.gap, widest: this.box().y[1] };
   }
 
@@ -102,18 +110,27 @@ export class MapPanel {
     this.reading.forget();
     this.moving = false;
     const box = this.box();
-    const { axis } = view.map;
-    const s = copyOf(scenario);
-    s.restitution = 0;
-    if (axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : 0));
-    else s.balls[0].radius = 0;
-    const key = JSON.stringify([s, axis]);
+    const { axis, across, show } = view.map;
+    const tolerance = show === "verdict" ? view.tolerance : null;
+    const key = JSON.stringify([this.rest(), across, axis, tolerance], rounded);
     if (key + JSON.stringify(box) === this.key) return;
     const keep = this.key.startsWith(key); // another part of the same map
     this.key = key + JSON.stringify(box);
-    this.map.start(scenario, axis, box, keep);
+    this.map.start(scenario, this.axes, tolerance, box, keep);
     this.drawn = -Infinity;
     delete this.sheet.canvas.dataset.ms;
+  }
+
+  // The setting without what the axes change.
+  private rest(): object {
+    const { scenario: s } = this.state;
+    const names = this.axes;
+    const own = Object.entries(s.own).map(([name, values]) => values.map((x) => x / s.constants[name]));
+    const rest = placed(
+      { ...s, height: Infinity },
+      names.map((name) => [name, 1]),
+    );
+    return { ...rest, own: names.includes("k") ? own : s.own, height: names.includes("h") ? 0 : s.height };
   }
 
   // Draws if necessary, less often while the workers compute.
@@ -125,8 +142,23 @@ export class MapPanel {
   }
 
   marked(): Point {
-    const { scenario: s, view } = this.state;
-    return [s.restitution, view.map.axis === "gap" ? s.gaps[firstGap(s)] : s.balls[0].radius / s.balls[1].radius];
+    const { scenario } = this.state;
+    const [x, y] = this.axes;
+    return [axes[x].get(scenario), axes[y].get(scenario)];
+  }
+
+  private get axes(): [MapAxis, MapAxis] {
+    const { across, axis } = this.state.view.map;
+    return [across, axis];
+  }
+  private get logs(): [boolean, boolean] {
+    const [x, y] = this.axes;
+    return [axes[x].log, axes[y].log];
+  }
+  // The line of agreement belongs to the gap over ε.
+  private get hasLine(): boolean {
+    const { axis, across, show } = this.state.view.map;
+    return axis === "gap" && across === "e" && show !== "count" && show !== "verdict";
   }
 
   private box(): Box {
@@ -134,22 +166,19 @@ export class MapPanel {
     const { run } = drop!.newton;
     const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : drop!.to - drop!.from;
     const speed = scenario.cradle ? Math.max(...scenario.velocities.map(Math.abs)) : run.impactSpeed;
-    return view.map.zoom ?? wholeMap(scenario, view.map.axis, floor, speed);
+    return view.map.zoom ?? wholeMap(scenario, view.map.axis, floor, speed, view.map.across);
   }
 
   // Computes the region of agreement after the map.
   private findAgreement(): void {
     const { scenario, view } = this.state;
-    if (this.map.elapsed !== null && view.map.axis === "gap" && view.map.show !== "count")
-      this.agreement.refresh(scenario, this.box(), view.tolerance);
+    if (this.map.elapsed !== null && this.hasLine) this.agreement.refresh(scenario, this.box(), view.tolerance);
   }
 
   private draw(): void {
     const { sheet, state, map } = this;
-    const { axis, show } = state.view.map;
-    const agreement = axis === "gap" && show !== "count" ? this.agreement : null;
     this.findAgreement();
-    this.layout = map.draw(sheet.g, sheet.width, sheet.height, axis, this.marked(), state.theme, agreement, this.box());
+    this.layout = this.paint(sheet.g, sheet.width, sheet.height, state.theme);
     this.reading.write();
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
@@ -157,6 +186,19 @@ export class MapPanel {
     if (map.elapsed !== null && !this.moving) dataset.ms = String(Math.round(map.elapsed));
     else delete dataset.ms;
     this.tellState();
+  }
+
+  // The picture in any size and theme.
+  paint(g: CanvasRenderingContext2D, width: number, height: number, theme: Theme): MapLayout {
+    const { map } = this.state.view;
+    const agreement = this.hasLine ? this.agreement : null;
+    return this.map.draw(g, width, height, this.state.scenario, map, this.marked(), theme, agreement, this.box());
+  }
+
+  // The setting, the axes, the tolerance of the verdict, and all computed points.
+  table(): [Scenario, MapAxis, MapAxis, number | null, number[][]] {
+    const { scenario, view } = this.state;
+    return [scenario, ...this.axes, view.map.show === "verdict" ? view.tolerance : null, this.map.rows()];
   }
 
   private tellState(): void {
@@ -172,33 +214,38 @@ export class MapPanel {
   // ---- changes ----------------------------------------------------------------------------------------
 
   // The point of the map as parameters: rounded and within their ranges.
-  private rounded(restitution: number, y: number): Point {
-    const { scenario: s, view } = this.state;
-    const e = clampTo(ranges.restitution, Number(restitution.toPrecision(4)));
-    if (view.map.axis === "gap") return [e, clampTo(ranges.gap, Number(y.toPrecision(4)))];
-    return [e, clampTo(ranges.radius, Number((y * s.balls[1].radius).toPrecision(6))) / s.balls[1].radius];
+  private rounded(x: number, y: number): Point {
+    const { scenario } = this.state;
+    const [across, axis] = this.axes;
+    return [axes[across].rounded(scenario, x), axes[axis].rounded(scenario, y)];
   }
 
-  private choose(restitution: number, at: number): void {
-    const { scenario: s, view } = this.state;
-    const [e, y] = this.rounded(restitution, at);
-    s.restitution = e;
-    if (view.map.axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : y));
-    else {
-      const before = s.balls[0].radius;
-      s.balls[0].radius = y * s.balls[1].radius;
-      if (s.height < lowestHeight(s)) s.balls[0].radius = before;
-    }
+  // Where the lowest ball cannot fall, nothing is chosen.
+  private choose(x: number, y: number): void {
+    const { scenario: s } = this.state;
+    const [across, axis] = this.axes;
+    const [right, up] = this.rounded(x, y);
+    const moved = placed(s, [
+      [across, right],
+      [axis, up],
+    ]);
+    if (!moved || (!s.cradle && moved.height < lowestHeight(moved))) return;
+    Object.assign(s, moved);
     this.state.edited();
   }
 
   private zoom(factor: number, at = this.marked()): void {
-    this.setZoom(zoomed(this.box(), mapLimits(this.state.view.map.axis), factor, at));
+    this.setZoom(zoomed(this.box(), this.limits(), factor, at, this.logs));
   }
 
   // By fractions of the frame.
   private pan(right: number, up: number): void {
-    this.setZoom(panned(this.box(), mapLimits(this.state.view.map.axis), right, up));
+    this.setZoom(panned(this.box(), this.limits(), right, up, this.logs));
+  }
+
+  private limits(): Box {
+    const { scenario, view } = this.state;
+    return mapLimits(view.map.axis, view.map.across, scenario);
   }
 
   // The picture moves at once; new points are computed when the pointer stops.
@@ -221,14 +268,24 @@ export class MapPanel {
       view.map.show = (e.target as HTMLSelectElement).value as View["map"]["show"];
       this.map.setShow(view.map.show);
       this.reading.forget();
+      this.refresh(); // the verdict needs both models
       this.state.writeLink();
     });
-    find<HTMLSelectElement>("map-axis").addEventListener("change", (e) => {
-      view.map.axis = (e.target as HTMLSelectElement).value as View["map"]["axis"];
-      view.map.zoom = null;
-      this.refreshChoices();
-      this.refresh();
-      this.state.writeLink();
-    });
+    for (const [key, other] of [
+      ["axis", "across"],
+      ["across", "axis"],
+    ] as const)
+      find<HTMLSelectElement>(`map-${key}`).addEventListener("change", (e) => {
+        const chosen = (e.target as HTMLSelectElement).value as MapAxis;
+        if (chosen === view.map[other]) view.map[other] = view.map[key]; // both axes change places
+        view.map[key] = chosen;
+        view.map.zoom = null;
+        this.refreshChoices();
+        this.refresh();
+        this.state.writeLink();
+      });
   }
 }
+
+// Numbers of a key, without the last digits that an axis may change.
+const rounded = (_: string, x: unknown): unknown => (typeof x === "number" ? Number(x.toPrecision(9)) : x);

@@ -1,7 +1,7 @@
 // The points of a map as pixels, in blocks that become finer, and the positions of labels.
-import { MAP_VALUES } from "../core/core";
-import { countColor, invalidColor, ratioColor, type Rgb } from "../style/theme";
-import type { MapShow } from "../scenario/view";
+import { MAP_VALUES } from "../core/map_points";
+import { countColor, invalidColor, noRatioColor, ratioColor, verdictColors, type Rgb } from "../style/theme";
+import { mapShows, type MapShow } from "../scenario/view";
 
 export const SIDE = 400; // points in each direction
 
@@ -9,22 +9,25 @@ export const SIDE = 400; // points in each direction
 export interface CountLabel {
   x: number;
   y: number;
-  n: number;
+  n: number; // count, or index of the verdict
+  share: number; // half the width of the region around the label, as a fraction of the map's
 }
 
 export class Raster {
-  private readonly values = new Float32Array(SIDE * SIDE * MAP_VALUES);
+  private readonly values = new Float64Array(SIDE * SIDE * MAP_VALUES);
   private readonly filled = new Uint8Array(SIDE * SIDE); // stride of the block that fills this point; 0: none yet
   private readonly image = new ImageData(SIDE, SIDE);
   private readonly sheet = sheetOf(SIDE);
   show: MapShow = "count";
   greatest = 0; // count
+  readonly kinds = new Set<"invalid" | "none" | "above">(); // what the legend has to name beside the scale
 
   clear(): void {
     this.image.data.fill(0);
     this.filled.fill(0);
     this.values.fill(NaN);
     this.greatest = 0;
+    this.kinds.clear();
   }
 
   take(place: number, stride: number, values: Float64Array): void {
@@ -36,6 +39,7 @@ export class Raster {
   setShow(show: MapShow): void {
     if (show === this.show) return;
     this.show = show;
+    this.kinds.clear();
     for (let place = 0; place < SIDE * SIDE; place++)
       if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
   }
@@ -67,19 +71,26 @@ export class Raster {
 
   // The computed point whose block covers this pixel.
   private blockOf(place: number): number {
-    const stride = this.filled[place];
+    const stride = this.filled[place] || 1;
     const i = place % SIDE;
     const j = Math.floor(place / SIDE);
     return i - (i % stride) + SIDE * (j - (j % stride));
   }
 
   private color(place: number): Rgb {
-    const index = this.show === "count" ? 0 : this.show === "effective" ? 1 : 2;
+    const index = mapShows.indexOf(this.show);
     const value = this.values[MAP_VALUES * place + index];
     const count = this.values[MAP_VALUES * place];
-    if (Number.isNaN(count)) return invalidColor;
-    if (index === 0) return countColor(value);
-    return Number.isNaN(value) ? countColor(0) : ratioColor(value);
+    if (Number.isNaN(count) || (this.show === "verdict" && Number.isNaN(value)))
+      return this.named("invalid", invalidColor);
+    if (this.show === "count") return countColor(value);
+    if (this.show === "verdict") return verdictColors[value];
+    if (Number.isNaN(value)) return this.named("none", noRatioColor);
+    return value > 1.0000001 ? this.named("above", ratioColor(value)) : ratioColor(value);
+  }
+  private named(kind: "invalid" | "none" | "above", color: Rgb): Rgb {
+    this.kinds.add(kind);
+    return color;
   }
 
   private paint(place: number, color: Rgb): void {
@@ -91,13 +102,24 @@ export class Raster {
     data[at + 3] = 255;
   }
 
-  // Labels each count where its region is widest.
+  computed(): { place: number; values: Float64Array }[] {
+    const list = [];
+    for (let place = 0; place < SIDE * SIDE; place++)
+      if (this.filled[place] !== 0 && this.blockOf(place) === place)
+        list.push({ place, values: this.values.subarray(MAP_VALUES * place, MAP_VALUES * (place + 1)) });
+    return list;
+  }
+
+  // Labels each count or verdict where its region is widest.
   labels(): CountLabel[] {
     const step = 4;
     const n = SIDE / step;
     const best = new Map<number, CountLabel & { size: number }>();
     const width = new Float32Array(n * n);
-    const cell = (i: number, j: number): number => this.values[MAP_VALUES * (i * step + SIDE * j * step)];
+    if (this.show !== "count" && this.show !== "verdict") return [];
+    const index = mapShows.indexOf(this.show);
+    const cell = (i: number, j: number): number =>
+      this.values[MAP_VALUES * this.blockOf(i * step + SIDE * j * step) + index];
     for (const pass of [0, 1]) {
       for (let k = 0; k < n * n; k++) {
         const at = pass === 0 ? k : n * n - 1 - k;
@@ -120,7 +142,7 @@ export class Raster {
       const count = cell(i, j);
       const known = best.get(count);
       if (width[at] >= 3 && (!known || width[at] > known.size))
-        best.set(count, { x: (i + 0.5) / n, y: (j + 0.5) / n, n: count, size: width[at] });
+        best.set(count, { x: (i + 0.5) / n, y: (j + 0.5) / n, n: count, size: width[at], share: width[at] / n });
     }
     return [...best.values()];
   }

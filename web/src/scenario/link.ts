@@ -18,6 +18,7 @@ export function settingOf(query: URLSearchParams, notes: string[]): { preset: Pr
 // The first request to the core when the page opens.
 export function questionOf(query: URLSearchParams): { scenario: Scenario; tolerance: number } {
   const view = firstView();
-  viewFromQuery(view, query, []);
-  return { scenario: settingOf(query, []).scenario, tolerance: view.tolerance };
+  const { scenario } = settingOf(query, []);
+  viewFromQuery(view, query, [], scenario);
+  return { scenario, tolerance: view.tolerance };
 }

@@ -345,5 +345,11 @@ export function toToml(s: Scenario): string {
   return lines.join("\n") + "\n";
 }
 
+// The same as comments of a CSV file.
+export const settingLines = (s: Scenario): string[] =>
+  toToml(s)
+    .split("\n")
+    .filter((line) => line !== "");
+
 // A TOML float: JavaScript writes 50000000 and 1e-7, TOML wants a point or an exponent.
 const toml = (x: number): string => (/[.e]/.test(String(x)) ? String(x).replace("e+", "e") : `${x}.0`);

@@ -22,7 +22,7 @@ export class Presenter {
   private readonly frames = new Frames();
   private readonly single: SinglePanel;
   private readonly story: Story;
-  private readonly rebound: ReboundPanel;
+  readonly rebound: ReboundPanel;
   private readonly compare: Compare;
   private readonly mini: Mini;
   private placed: boolean; // the link gives the time of the film

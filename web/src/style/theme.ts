@@ -17,17 +17,17 @@ export interface Theme {
 const isDark = (root: HTMLElement): boolean => root.dataset.theme === "dark";
 
 // A colour of the style sheet. As the text of a property light-dark(…, …) is not resolved.
-export const colorOf = (root: HTMLElement, name: string): string =>
+export const colorOf = (root: HTMLElement, name: string, dark = isDark(root)): string =>
   getComputedStyle(root)
     .getPropertyValue(`--${name}`)
     .trim()
-    .replace(/^light-dark\((.*),\s*(.*)\)$/, isDark(root) ? "$2" : "$1");
+    .replace(/^light-dark\((.*),\s*(.*)\)$/, dark ? "$2" : "$1");
 
-export function themeOf(root: HTMLElement): Theme {
+export function themeOf(root: HTMLElement, dark = isDark(root)): Theme {
   const css = getComputedStyle(root);
-  const get = (name: string): string => colorOf(root, name);
+  const get = (name: string): string => colorOf(root, name, dark);
   return {
-    dark: isDark(root),
+    dark,
     ground: get("ground"),
     ink: get("ink"),
     muted: get("muted"),
@@ -84,5 +84,8 @@ const above: Rgb = [176, 196, 208];
 export const ratioColor = (x: number): Rgb => (x > 1.0000001 ? above : ratios[Math.round(100 * Math.max(x, 0))]);
 
 export const invalidColor: Rgb = [128, 128, 128];
+export const noRatioColor: Rgb = counts[0];
+// By luck between yes and no in lightness; in the order of the core's answers.
+export const verdictColors: Rgb[] = [oklch(0.88, 0.07, 230), oklch(0.66, 0.1, 250), oklch(0.36, 0.1, 40), invalidColor];
 export const css = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;
 export const inkOn = ([r, g, b]: Rgb): string => (0.299 * r + 0.587 * g + 0.114 * b > 140 ? "#14161a" : "#ffffff");

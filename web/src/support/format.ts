@@ -8,7 +8,8 @@ const prefixes: [number, string][] = [
   [1e-6, "µ"],
   [1e-9, "n"],
 ];
-const takesPrefix = new Set(["m", "s", "N", "Pa", "J", "m/s", "N/m"]);
+const prefixed = new Set(["m", "s", "N", "Pa", "J", "m/s", "N/m"]);
+export const takesPrefix = (unit: string): boolean => prefixed.has(unit);
 const others: Record<string, [string, number][]> = {
   m: [["cm", 1e-2]],
   kg: [
@@ -49,7 +50,7 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
     return size < 0.9999e-3 ? `${tidy(x * 1e6)} mg` : size < 0.9999 ? `${tidy(x * 1e3)} g` : `${tidy(x)} kg`;
   if (unit === "m/s" && size >= 0.9999e-2) return `${tidy(x)} m/s`;
   if (unit === "m" && size >= 0.9999e-2 && size < 0.9999) return `${tidy(x * 100)} cm`;
-  if (!takesPrefix.has(unit)) return `${tidy(x)} ${unit}`;
+  if (!takesPrefix(unit)) return `${tidy(x)} ${unit}`;
   const [factor, prefix] = prefixes.find(([f]) => size >= 0.9999 * f) ?? prefixes[prefixes.length - 1];
   return `${tidy(x / factor)} ${prefix}${unit}`;
 }
@@ -75,7 +76,7 @@ export function lengths(a: number, b: number): [string, string] {
 // The units that may follow a number, with their factors.
 export const unitsOf = (unit: string): Map<string, number> =>
   new Map([
-    ...(takesPrefix.has(unit) ? prefixes : prefixes.slice(3, 4)).map(([f, p]): [string, number] => [p + unit, f]),
+    ...(takesPrefix(unit) ? prefixes : prefixes.slice(3, 4)).map(([f, p]): [string, number] => [p + unit, f]),
     ...(others[unit] ?? []),
   ]);
 
@@ -84,8 +85,8 @@ export function parse(text: string, unit: string): number {
   const match = /^\s*([-+−]?[\d.,]+(?:e[-+]?\d+)?)\s*(\S*)\s*$/i.exec(text.replace("·10^", "e"));
   if (!match) return NaN;
   const x = Number(match[1].replace("−", "-").replace(",", "."));
-  const prefixed = match[2].replace(/^[uμ](?=.)/, "µ") || unit;
-  return x * (unitsOf(unit).get(prefixed) ?? NaN);
+  const own = match[2].replace(/^[uμ](?=.)/, "µ") || unit;
+  return x * (unitsOf(unit).get(own) ?? NaN);
 }
 
 const subscripts = "₀₁₂₃₄₅₆₇₈₉";

@@ -9,6 +9,7 @@ import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { drawCurves } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, releaseHeight, type Scenario } from "../scenario/scenario";
+import type { Theme } from "../style/theme";
 import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import { independent, newton } from "../scenario/tables";
@@ -17,7 +18,7 @@ import { dragged } from "../support/touch";
 const largestFile = 1e6; // bytes
 
 export class ReboundPanel {
-  private readonly curve: Curve;
+  readonly curve: Curve;
   private readonly pinned: Curve;
   private layout: CurveLayout | null = null;
   private key = "";
@@ -83,10 +84,15 @@ export class ReboundPanel {
 
   private draw(): void {
     const { sheet, state } = this;
-    this.layout = drawCurves(sheet.g, sheet.width, sheet.height, this.contents(), state.theme);
+    this.layout = this.paint(sheet.g, sheet.width, sheet.height, state.theme);
     this.write();
     sheet.canvas.dataset.points = String(this.curve.points.length);
     sheet.canvas.dataset.done = String(this.curve.done && (this.pinnedKey === "" || this.pinned.done));
+  }
+
+  // The picture in any size and theme.
+  paint(g: CanvasRenderingContext2D, width: number, height: number, theme: Theme): CurveLayout {
+    return drawCurves(g, width, height, this.contents(), theme);
   }
 
   private contents(): CurvePicture {
