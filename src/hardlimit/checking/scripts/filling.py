@@ -356,6 +356,7 @@ def contents(state: State, stage: Stage) -> Contents:
         filled=filling.census.filled(state.dimension),
         volume=volume(state),
         speeds=(*stated, *falls(state, stage)),
+        lots=filling.census.known,
     )
 
 

@@ -41,7 +41,8 @@ class YadeFilling:
         """What a run has in its cell, and the speeds that are stated for it."""
         volume = math.prod(self.cell) if self.periodic and self.cell else None
         speeds = [*falls(self, stage), *(relative(self) if self.known else ())]
-        return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds))
+        lots = self.census.known
+        return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds), lots=lots)
 
     def bed(self, contents: Contents, down: Direction) -> Contents:
         """With the area on which the spheres lie, and the height above which none of them comes to rest."""
