@@ -9,9 +9,25 @@ from conftest import table
 
 STATES = Path(__file__).parent / "data/states"
 MEASURED = {row["script"]: row for row in table("script_states")}
-#: Grains of two kinds or of a range of sizes, with how much longer steps may be than that of check, which takes the
-#: lightest grains and the stiffest contacts. YADE's numerical damping helps as well.
-UNEQUAL = {"lammps_settled_hertz": 1.9, "lammps_hopper_loop": 1.25, "yade_triaxial": 1.35}
+MOTIONS = {row["script"]: row for row in table("script_motions")}
+#: Grains of two kinds or of a range of sizes, with how much longer steps may be than that of check, which is safe.
+#: YADE's numerical damping helps as well; of the two materials the few grains at the bottom have the stiffest contacts.
+UNEQUAL = {
+    "lammps_settled_hertz": 1.7,
+    "lammps_two_sizes": 1.25,
+    "liggghts_three_sizes": 1.2,
+    "lammps_hopper_loop": 1.15,
+    "yade_triaxial": 1.15,
+}
+#: Relative difference of the overlap. Not known are that in the cone of the hopper, whose walls carry a part, and that
+#: of 160 grains of two materials, of which three contacts are in the middle.
+OVERLAPS = {
+    "lammps_settled_bed": 0.07,
+    "lammps_two_sizes": 0.05,
+    "liggghts_settled_bed": 0.05,
+    "liggghts_three_sizes": 0.05,
+    "yade_triaxial": 0.11,
+}
 
 
 @pytest.fixture(scope="module", params=MEASURED)
@@ -31,11 +47,11 @@ def test_the_longest_stable_step_is_that_of_the_code(state):
 
 
 def test_the_mean_overlap_is_that_in_the_code(state):
-    """Within 10 %: 3.9 % above LAMMPS (linear), 9.7 % above LIGGGHTS (Hertz; 19 % at the mean force)."""
+    """Linear and Hertz, equal and unequal; YADE's packing is looser than the compressed ones that were measured."""
     row, said = state
-    if row["script"] not in UNEQUAL:
-        assert said.overlap == pytest.approx(float(row["overlap"]), rel=0.1)
-        assert said.coordination == pytest.approx(float(row["coordination"]), rel=0.05)
+    if row["script"] in OVERLAPS:
+        assert said.overlap == pytest.approx(float(row["overlap"]), rel=OVERLAPS[row["script"]])
+        assert said.overlap_of == "all contacts"
 
 
 def test_grains_in_many_contacts_rest_although_their_contacts_would_overlap_in_time():
@@ -44,3 +60,21 @@ def test_grains_in_many_contacts_rest_although_their_contacts_would_overlap_in_t
     verdict = hl.check(STATES / name, dump=STATES / f"{name}.dump.gz")
     assert verdict.state.name == "rest" and verdict.admissible is False
     assert any("contacts last" in finding.what for finding in verdict.invalidates)
+
+
+@pytest.mark.parametrize("name", [name for name, row in MOTIONS.items() if row["gamma"]])
+def test_shaken_plates_move_as_check_says(name):
+    """Γ and S of the sine through the places of the wall in the code."""
+    said, row = hl.check(STATES / name).state, MOTIONS[name]
+    assert said.shaking == pytest.approx(float(row["gamma"]), rel=1e-3)
+    assert said.shaking_strength == pytest.approx(float(row["strength"]), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", [name for name, row in MOTIONS.items() if row["shear_rate"]])
+def test_the_inertial_number_is_that_of_the_flow_in_the_code(name):
+    """Of a chute in lj units and of the flowing layer of a drum, at their shear rate and pressure."""
+    row = MOTIONS[name]
+    options = {"shear_rate": float(row["shear_rate"]), "pressure": float(row["pressure"])}
+    said = hl.check(STATES / name, **options).state
+    assert said.inertial_number == pytest.approx(float(row["inertial_number"]), rel=1e-3)
+    assert said.regime == "collisional"

@@ -2,7 +2,7 @@
 
 **Force.** A pressure p is carried by mean contact forces ⟨F⟩ = π d² p/(φ z) between spheres, π d p/(φ z) between
 disks, of the packing fraction φ and the coordination z: Love's and Weber's stress Σ F l/(D V) with l = d and N z/2
-contacts (Andreotti, Forterre & Pouliquen, Granular Media, 2013).
+contacts (Andreotti, Forterre & Pouliquen, Granular Media, 2013). Grains of several sizes: ``mixture.py``.
 
 **Stiffness number.** κ_p = k/(p d) of linear springs, (E*/p)^(2/3) of Hertz' contacts, 1/E* = Σ (1 − ν²)/E: d/δ of a
 contact under the force p d² but for a factor of about one. Grains are usually called rigid from 10⁴ on: Roux & Combe,
@@ -19,10 +19,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 import scipy
 
 from ..boxes.box import UNIT_BALL
 from ..convert.force import AdhesiveForce, Force
+from . import mixture
 from .contacts import AGREEMENT, Body, Case
 
 #: Stiffness number from which grains count as rigid.
@@ -31,6 +33,8 @@ RIGID: Final = 1e4
 QUASI_STATIC, COLLISIONAL = 1e-3, 0.1
 #: Acceleration [m/s²] under which grains rest that are given by numbers.
 GRAVITY: Final = 9.81
+#: Largest force of a contact over the mean at the same pressure, of linear springs (docs/hard_enough.md).
+LARGEST_FORCE: Final = 4.0
 #: Four times the power of Hertz' force.
 HERTZ: Final = 6
 #: Mean overlap of Hertz' contacts over that under the mean force: 0.91 to 0.94 in beds of κ_p from 1e2 to 1e4
@@ -48,12 +52,22 @@ USUAL_STEP: Final = 50.0
 
 
 class Packing(NamedTuple):
-    """A packing of equal grains at rest."""
+    """A packing of grains at rest."""
 
     packing_fraction: float
     coordination: float
     stress_share: float = 1.0  #: mean of the normal stresses over that along gravity
-    bulk: float | None = None  #: φ z of the grains that carry the pressure, if not that of all
+    rigid: float | None = None  #: φ z of rigid grains, if the packing is not that of all grains in a dump
+    softer: float = (
+        3.1  #: (φ z of spheres over that of rigid ones − 1) √κ_p; settled: with friction and without
+    )
+
+    def carrying(self, kappa: float, dimension: int, width: float = 0.0) -> float:
+        """φ z of the grains that carry the pressure, at a stiffness number and a width of the sizes."""
+        if self.rigid is None:
+            return self.packing_fraction * self.coordination
+        softer = self.softer / math.sqrt(max(kappa, SOFTEST)) if dimension == 3 else 0.0
+        return self.rigid * (1.0 + softer) * (1.0 + mixture.WIDER * width)
 
 
 #: Settled beds with and without friction by dimension. Spheres: beds of 524 to 900 by our own steps and in LAMMPS
@@ -61,15 +75,21 @@ class Packing(NamedTuple):
 #: 3.8 ± 0.1, shares of 0.77 to 0.89 and 0.92 to 1. Disks: isostatic or a little more (z = 4 without friction, 3 to 4
 #: with it), the shares are those of spheres.
 PACKINGS: Final = {
-    (3, True): Packing(0.59, 4.7, 0.80),
-    (3, False): Packing(0.63, 6.0, 0.96),
-    (2, True): Packing(0.80, 3.5, 0.80),
-    (2, False): Packing(0.83, 4.0, 0.96),
+    (3, True): Packing(0.59, 4.7, 0.80, 2.66),
+    (3, False): Packing(0.63, 6.0, 0.96, 3.76),
+    (2, True): Packing(0.80, 3.5, 0.80, 2.80),
+    (2, False): Packing(0.83, 4.0, 0.96, 3.32),
 }
+#: Spheres with friction that walls press together without gravity: a tenth of them carry nothing.
+PRESSED: Final = Packing(0.606, 4.5, 1.0, 2.16, 6.0)
 #: Largest m ω²/k_n of smooth spheres, and q m ω²/(2/3 k_t) of spheres that turn: value at z = 0 and slope, from the
 #: contact networks of these beds. Of disks, those of six neighbours, which no packing of equal ones exceeds.
 MOVED: Final = {3: (3.8, 0.38), 2: (6.0, 0.0)}
 TURNED: Final = {3: (8.0, 1.23), 2: (12.0, 0.0)}
+#: Mean of the normal stresses over that along gravity in settled beds of unequal spheres with friction: 0.81 to 0.99.
+UNEQUAL_SHARE: Final = 0.86
+#: Standard deviations by which the springs to the neighbours of the fastest grains exceed the mean.
+SPREAD: Final = 1.3
 #: Share of the tangential springs in the motion of grains, which mostly roll; power of the mean over both motions.
 DRAGGED, MIXED = 0.5, 10.0
 
@@ -77,9 +97,8 @@ DRAGGED, MIXED = 0.5, 10.0
 # --- formulas -------------------------------------------------------------------------------------------------
 
 
-def mean_force(pressure: float, diameter: float, packing: Packing, dimension: int) -> float:
-    """Mean contact force [N] under a pressure [Pa]; in two dimensions [N/m]."""
-    carrying = packing.bulk or packing.packing_fraction * packing.coordination
+def mean_force(pressure: float, diameter: float, carrying: float, dimension: int) -> float:
+    """Mean contact force [N] of equal grains under a pressure [Pa]; in two dimensions [N/m]. ``carrying``: φ z."""
     return math.pi * diameter ** (dimension - 1) * pressure / carrying
 
 
@@ -222,10 +241,9 @@ class Loaded:
         """Mean overlap; None if it is not known."""
         if self.pressure is None:
             return None
-        load = mean_force(
-            self.pressure * self.packing.stress_share, sum(self.radii), self.packing, self.dimension
-        )
-        return compression(self.force, load)
+        carrying = self.packing.carrying(self.stiffness_number or 0.0, self.dimension)
+        stress = self.pressure * self.packing.stress_share
+        return compression(self.force, mean_force(stress, sum(self.radii), carrying, self.dimension))
 
     @property
     def stiffness_number(self) -> float | None:
@@ -269,10 +287,120 @@ def loaded(cases: Sequence[Case], pressure: float | None, packing: Packing, dime
     return contacts
 
 
-def largest_stable_step(contacts: Sequence[Loaded]) -> float | None:
+@dataclass(frozen=True)
+class Mixed:
+    """Grains of several kinds: the contact of each two kinds under their share of the pressure."""
+
+    kinds: Sequence[mixture.Kind]
+    pairs: Sequence[Sequence[Loaded]]
+    kappa: float  #: of the softest pair
+
+    @property
+    def overlaps(self) -> np.ndarray:
+        """Mean overlap of the contacts between each two kinds."""
+        contact = self.pairs[0][0]
+        assert contact.pressure is not None
+        shares = mixture.pairs(self.kinds)
+        carrying = contact.packing.carrying(self.kappa, contact.dimension, shares.width)
+        load = mixture.mean_force(self.kinds, contact.pressure * contact.packing.stress_share, carrying)
+        loads = load * shares.forces
+        return np.array(
+            [
+                [compression(pair.force, f) for pair, f in zip(*row, strict=True)]
+                for row in zip(self.pairs, loads, strict=True)
+            ]
+        )
+
+    @property
+    def overlap(self) -> float:
+        """Mean overlap over the smaller radius, of all contacts."""
+        smaller = np.array([[min(pair.radii) for pair in row] for row in self.pairs])
+        return float((mixture.pairs(self.kinds).contacts * self.overlaps / smaller).sum())
+
+    @property
+    def springs(self) -> list[list[Springs]] | None:
+        """Of the contacts between each two kinds; None if they are not known."""
+        rows = [
+            [springs_of(pair.case, overlap) for pair, overlap in zip(*row, strict=True)]
+            for row in zip(self.pairs, self.overlaps, strict=True)
+        ]
+        known = [[springs for springs in row if springs is not None] for row in rows]
+        return known if all(len(row) == len(self.kinds) for row in known) else None
+
+    def eigenvalue(self, rows: Sequence[Sequence[Springs]]) -> float:
+        """Largest ω² [1/s²]: around grains of the kind with the fastest motion.
+
+        Springs to heavier grains count less, up to half. The neighbours of the fastest ones differ from the mean by a
+        standard deviation and more: 1 to 12 % below the step of beds up to radii of 1:3 (studies/mixtures.nc).
+        """
+        shares, largest = mixture.pairs(self.kinds), 0.0
+        ends = shares.contacts.sum(axis=0)
+        for k, row in enumerate(rows):
+            bodies = [pair.case.first for pair in self.pairs[k]], [pair.case.second for pair in self.pairs[k]]
+            own = np.array([body.mass for body in bodies[0] if body is not None])
+            others = np.array([body.mass for body in bodies[1] if body is not None])
+            weights = 0.5 * (1.0 + own / others)
+            normal, tangential = (
+                _mean_and_spread(weights * [getattr(springs, name) for springs in row], ends)
+                for name in ("normal", "tangential")
+            )
+            z = self.pairs[k][k].packing.coordination * float(shares.neighbours[k])
+            inertia = min(body.inertia_factor for part in bodies for body in part if body is not None)
+            springs = Springs(normal, tangential)
+            largest = max(largest, largest_eigenvalue(springs, float(own[0]), z, inertia, 3))
+        return largest
+
+
+def _mean_and_spread(values: np.ndarray, weights: np.ndarray) -> float:
+    """Mean, and above it the spread of what the neighbours of the fastest grains may be."""
+    mean = float(values @ weights)
+    return mean + SPREAD * math.sqrt(max(float((values - mean) ** 2 @ weights), 0.0))
+
+
+def mixed(contacts: Sequence[Loaded], kinds: Sequence[mixture.Kind]) -> Mixed | None:
+    """The contacts of kinds of spheres from those of their types; None if they or their pressure are not known."""
+    types = {frozenset(pair.case.types): pair for pair in reversed(contacts) if pair.case.second is not None}
+    if not kinds or not contacts or contacts[0].dimension != 3 or contacts[0].pressure is None:
+        return None
+    rows = []
+    for kind in kinds:
+        pairs = [types.get(frozenset((kind.type, other.type))) for other in kinds]
+        row = [
+            _between(pair, kind, other) for pair, other in zip(pairs, kinds, strict=True) if pair is not None
+        ]
+        if len(row) < len(kinds):
+            return None
+        rows.append(row)
+    kappa = min(pair.stiffness_number or 0.0 for row in rows for pair in row)
+    return Mixed(kinds, rows, kappa)
+
+
+def _between(pair: Loaded, first: mixture.Kind, second: mixture.Kind) -> Loaded:
+    """The contact of two kinds."""
+    case = pair.case
+    bodies = [case.first, case.second]
+    if case.types[0] != first.type:
+        bodies.reverse()
+    sized = [
+        _sized(body, kind) for body, kind in zip(bodies, (first, second), strict=True) if body is not None
+    ]
+    known = replace(case, types=(first.type, second.type), first=sized[0], second=sized[1])
+    assert case.force is not None
+    return replace(pair, case=known, force=case.force(sized[0].tried(0), sized[1].tried(0), 1.0))
+
+
+def _sized(body: Body, kind: mixture.Kind) -> Body:
+    """A grain of the size of its kind."""
+    assert body.radius is not None and body.mass is not None
+    density = kind.density or body.density or body.mass / (UNIT_BALL[3] * body.radius**3)
+    return replace(body, radius=kind.radius, mass=density * UNIT_BALL[3] * kind.radius**3, density=density)
+
+
+def largest_stable_step(contacts: Sequence[Loaded], mix: Mixed | None = None) -> float | None:
     """Longest stable time step of a packing with these contacts; None if it is not known.
 
     A wall whose contacts are stiffer than those of grains counts beside half of the network: its grain is held by them.
+    Without the kinds in ``mix`` the lightest grains count as a packing of their own, with the stiffest contacts.
     """
     each = [(contact, contact.springs) for contact in contacts]
     known = [(contact, springs) for contact, springs in each if springs is not None]
@@ -281,8 +409,13 @@ def largest_stable_step(contacts: Sequence[Loaded]) -> float | None:
     if not pairs or len(known) < len(each):
         return None
 
+    of_kinds = None if mix is None else mix.springs
+
     def eigenvalue(step: float) -> float:
-        network = max(contact.eigenvalue(springs.stiffened(step)) for contact, springs in pairs)
+        if mix is not None and of_kinds is not None:
+            network = mix.eigenvalue([[springs.stiffened(step) for springs in row] for row in of_kinds])
+        else:
+            network = max(contact.eigenvalue(springs.stiffened(step)) for contact, springs in pairs)
         beside = max((contact.eigenvalue(springs.stiffened(step)) for contact, springs in walls), default=0.0)
         return max(network, 0.5 * network + beside)
 
@@ -308,13 +441,12 @@ def of_any_size(
     tries = []
     for k in range(3):
         contacts = loaded([_tried(case, k) for case in cases], pressure, packing, dimension)
-        pairs = [contact for contact in contacts if contact.case.second is not None]
-        if not pairs:
+        if not _pairs(contacts):
             return state
         if pressure is None:
-            tries.append(replace(state, pressure_for_rigid=rigid_up_to(pairs)))
+            tries.append(replace(state, pressure_for_rigid=rigid_up_to(_pairs(contacts))))
         else:
-            tries.append(_softened(state, min(pairs, key=_kappa)))
+            tries.append(_softened(state, contacts))
     for name in ("pressure_for_rigid", "stiffness_number", "overlap"):
         values = [getattr(each, name) for each in tries]
         if None not in values and max(values) > (1.0 + AGREEMENT) * min(values):
@@ -346,6 +478,7 @@ class Load:
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
     packing: Packing | None = None  #: as measured in a dump, or given
+    kinds: tuple[mixture.Kind, ...] = ()  #: of the grains, if they are known and differ
     shear_rate: float | None = None
     gravity: float | None = None
     density: float | None = None  #: largest one of the grains
@@ -366,7 +499,9 @@ class GrainState:
     pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains, or walls beside them
     packing_fraction: float | None = None  #: φ that was used, measured or expected
     coordination: float | None = None  #: contacts of a grain that were used, measured or expected
-    overlap: float | None = None  #: δ/R, mean overlap of a contact over the smaller radius
+    overlap: float | None = None  #: δ/R, mean overlap of contacts over the smaller radius
+    overlap_of: str | None = None  #: "all contacts", or "the softest contacts" if the kinds are not known
+    deepest_overlap: float | None = None  #: δ/R of the deepest contacts of equal grains
     stiffness_number: float | None = None  #: κ_p
     packing_excess: float | None = None  #: φ of such beds with friction over that of rigid ones, less one
     coordination_excess: float | None = None  #: the same of the number of contacts
@@ -418,11 +553,12 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         return GAS
     rough = any(case.friction.coefficient != 0.0 for case in moving)
     bed = load.packing or PACKINGS[dimension, rough]
-    packing = bed._replace(stress_share=bed.stress_share if load.weight else 1.0)
+    if rough and len({kind.radius for kind in load.kinds}) > 1:
+        bed = bed._replace(stress_share=UNEQUAL_SHARE)
+    packing = bed if load.weight else bed._replace(stress_share=1.0)
     contacts = loaded(moving, load.pressure, packing, dimension)
-    pairs = [contact for contact in contacts if contact.case.second is not None]
-    softest = min(pairs, key=_kappa, default=None)
-    longest = largest_stable_step(contacts) if len(contacts) == len(moving) else None
+    mix = mixed(contacts, load.kinds)
+    longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
     inertial = None
     if load.shear_rate is not None and load.pressure and diameter and density:
         inertial = inertial_number(load.shear_rate, diameter, density, load.pressure)
@@ -444,9 +580,9 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
         state = replace(state, step_share=None if time_step is None else time_step / longest)
-    if softest is None or load.pressure is None:
+    if load.pressure is None or not _pairs(contacts):
         return state
-    state = _softened(state, softest)
+    state = _softened(state, contacts, mix)
     kappa = state.stiffness_number or 0.0
     if dimension == 2 or not rough or kappa < SOFTEST:
         return state
@@ -465,14 +601,13 @@ def _supposed(
 
     ``number``: of all contacts, of which those with known numbers are given.
     """
-    pressure = border = rigid_up_to([contact for contact in contacts if contact.case.second is not None])
+    pressure = border = rigid_up_to(_pairs(contacts))
     state, under = replace(state, pressure_for_rigid=border), list(contacts)
     if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
         heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
         pressure = heavy * LAYERS * diameter
         under = [replace(contact, packing=packing, pressure=pressure) for contact in contacts]
-        softest = min((contact for contact in under if contact.case.second is not None), key=_kappa)
-        below = _softened(state, softest)
+        below = _softened(state, under, mixed(under, load.kinds))
         state = replace(
             state,
             height_for_rigid=border / heavy,
@@ -482,25 +617,33 @@ def _supposed(
         )
     if state.largest_stable_step is not None or pressure is None or len(contacts) < number:
         return state
-    longest = largest_stable_step([replace(contact, pressure=pressure) for contact in under])
+    under = [replace(contact, pressure=pressure) for contact in under]
+    longest = largest_stable_step(under, mixed(under, load.kinds))
     return replace(state, largest_stable_step=longest, step_is_supposed=longest is not None)
 
 
-def _kappa(contact: Loaded) -> float:
-    return contact.stiffness_number or 0.0
+def _pairs(contacts: Sequence[Loaded]) -> list[Loaded]:
+    """Those between grains."""
+    return [contact for contact in contacts if contact.case.second is not None]
 
 
-def _softened(state: GrainState, contact: Loaded) -> GrainState:
-    """The state with the numbers of its softest contact."""
+def _softened(state: GrainState, contacts: Sequence[Loaded], mix: Mixed | None = None) -> GrainState:
+    """The state with the numbers of its softest contact, and the mean overlap of all kinds if they are known."""
+    pairs = _pairs(contacts)
+    numbers = [pair.stiffness_number or 0.0 for pair in pairs]
+    contact, differ = pairs[numbers.index(min(numbers))], len(set(numbers)) > 1
     kappa, overlap, spring = contact.stiffness_number, contact.compression, contact.case.spring
     assert kappa is not None and overlap is not None
+    deepest = LARGEST_FORCE ** (4.0 / contact.force.powers.elastic)
     rigid = None
     if spring is not None:
         _, value, power = spring
         rigid = value * (RIGID / kappa) ** (0.25 * contact.force.powers.elastic / power)
     return replace(
         state,
-        overlap=overlap / min(contact.radii),
+        overlap=overlap / min(contact.radii) if mix is None else mix.overlap,
+        overlap_of="the softest contacts" if mix is None and differ else "all contacts",
+        deepest_overlap=None if mix is not None or differ else overlap / min(contact.radii) * deepest,
         stiffness_number=kappa,
         stiffness=None if spring is None else spring[0],
         stiffness_for_rigid=rigid,

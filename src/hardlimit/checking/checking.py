@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..boxes.box import UNIT_BALL
 from ..boxes.error_law import MEASURED_TC_NU
 from ..boxes.system import ParticleSystem
 from ..boxes.time_step import DEFAULT_ERROR, accepted_error
@@ -30,6 +31,7 @@ from . import (
     few,
     friction_words,
     loads,
+    mixture,
     state_words,
     stated,
 )
@@ -849,6 +851,7 @@ def _held_in_script(
         dimension=stage.dimension,
         units=stage.units,
         state=states[-1] if states else None,
+        kinds=dumps.kinds(frames[-1], _radii(stage), fixed) if frames else (),
         bed=bed,
         lasting=_contacts_last([row for _, row in final.examined], states),
         barostat=barostat,
@@ -949,6 +952,7 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
         in_several_contacts=several,
     )
     resting = [Finding(_rest(support))] * support.rests
+    densities = system.mass / (UNIT_BALL[system.dimension] * system.radius**system.dimension)
     in_system = drive.of_system(system)
     if options.drive is None and not options.speeds and not system._walls_move:
         options = replace(options, drive=in_system)
@@ -972,6 +976,7 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
         question=question,
         support=support,
         bed=loads.bed_of_system(system),
+        kinds=mixture.of_grains(["1"] * system.n, system.radius, densities),
     )
 
 
@@ -987,6 +992,7 @@ def _of_law(
     question: answer.Question | None = None,
     support: drive.Support = NO_SUPPORT,
     bed: tuple[float, float] | None = None,
+    kinds: tuple[mixture.Kind, ...] = (),
 ) -> Verdict:
     supposed = question is None  # a ball, and a wall that need not be there
     if question is None:
@@ -1008,6 +1014,7 @@ def _of_law(
         dimension=dimension,
         state=next(reversed(dumped or states), None),
         bed=bed,
+        kinds=kinds,
         lasting=_contacts_last(rows, dumped),
     )
     grains = _held(replace(stage, time_step=step), support, options, around)

@@ -11,8 +11,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..boxes.box import UNIT_BALL
 from ..boxes.files import dump
 from ..support import validation
+from . import mixture
 
 Floats = NDArray[np.float64]
 
@@ -152,6 +154,19 @@ def bed(
     if not (mass > 0.0).all() or not area > 0.0:
         return None
     return float(reach[axes[0]]), float(mass.sum()) / area
+
+
+def kinds(frame: Frame, radii: Mapping[str, float], fixed: Collection[str] = ()) -> tuple[mixture.Kind, ...]:
+    """The kinds of the grains that move; empty if they are not known or all equal. ``fixed``: types that do not."""
+    radius = _radius(frame, radii)
+    if radius is None or frame.types is None:
+        return ()
+    moving = ~np.isin(frame.types, list(fixed))
+    types = np.array(frame.types)[moving].tolist()
+    mass, own = frame.columns.get("mass"), frame.columns.get("density")
+    if mass is not None:
+        own = mass / (UNIT_BALL[3] * radius**3)
+    return mixture.of_grains(types, radius[moving], None if own is None else own[moving]) if types else ()
 
 
 def sizes(frames: Sequence[Frame]) -> dict[str, tuple[tuple[float, float], tuple[float, float] | None]]:

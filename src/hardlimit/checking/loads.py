@@ -13,11 +13,12 @@ from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
-from . import dumps
-from .at_rest import PACKINGS, Load, Packing, weight
+from . import dumps, mixture
+from .at_rest import PACKINGS, PRESSED, Load, Packing, weight
 from .contacts import Case
 from .drive import Support
 from .scripts import Stage
+from .scripts.description import WALL
 from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
@@ -67,6 +68,7 @@ class Around(NamedTuple):
     bed: tuple[float, float] | None = None  #: height along gravity, and mass over area
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
+    kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
 
     @property
     def packing(self) -> Packing:
@@ -78,8 +80,7 @@ class Around(NamedTuple):
         contacts = 0.0 if state is None or state.coordination is None else state.coordination
         if state is None or state.packing_fraction is None or contacts < LEAST:
             return expected
-        bulk = None if self.bed is None else expected.packing_fraction * expected.coordination
-        packing = expected._replace(coordination=contacts, bulk=bulk)
+        packing = expected._replace(coordination=contacts, rigid=None if self.bed is None else expected.rigid)
         in_range = low <= state.packing_fraction <= high
         return packing._replace(packing_fraction=state.packing_fraction) if in_range else packing
 
@@ -107,15 +108,34 @@ def load_of(
         return Load("gas")
     flows = rate is not None or (support.moves and support.shaking is None)
     name = "flow" if flows else "pressed" if pressed or not rests else "rest"
+    kinds = _kinds(stage, around)
     load = Load(
         name,
         packing=around.packing,
+        kinds=kinds,
         shear_rate=rate,
         gravity=stage.gravity,
-        density=_density(around),
+        density=_density(around, kinds),
         shaking=support.shaking,
     )
-    return replace(load, **_pressure(stage, options, around, pressed))
+    load = replace(load, **_pressure(stage, options, around, pressed))
+    settled = name == "rest" or load.weight or around.packing != PACKINGS[3, True]
+    return load if settled else replace(load, packing=PRESSED)
+
+
+def _kinds(stage: Stage, around: Around) -> tuple[mixture.Kind, ...]:
+    """The kinds of grains of a dump, else of what the script makes; empty if they are not known or all equal.
+
+    Radii of one type whose numbers are not known count as uniform between its ends.
+    """
+    moving = {name: kind for name, kind in stage.grains.items() if not kind.frozen}
+    kinds = around.kinds or mixture.of_lots(stage.contents.lots, moving)
+    if len(moving) != 1:
+        return kinds
+    ((name, only),) = moving.items()
+    if not kinds and only.radii is not None:
+        return mixture.uniform(name, only.radii)
+    return tuple(kind._replace(type=name) for kind in kinds)
 
 
 def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool) -> dict[str, Any]:
@@ -127,10 +147,11 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     gravity = stage.gravity
     if gravity is None:
         return {}
+    kinds = _kinds(stage, around)
     if options.height is None and around.bed is not None:
         top, mass = around.bed
         return {"pressure": mass * gravity, "origin": f"below {around.length(top)} of grains", "weight": True}
-    density, phi, contents = _density(around), around.packing.packing_fraction, stage.contents
+    density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
     floor = stage.floor or contents.floor
     if options.height is None and density is not None and contents.filled and floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
@@ -156,8 +177,11 @@ def _height(stage: Stage) -> float | None:
     return stage.edges[axes[0]] if axes else None
 
 
-def _density(around: Around) -> float | None:
-    """The largest density of the grains that move, in two dimensions that of disks; None if one is not known."""
+def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
+    """Density of the grains that move, in two dimensions that of disks; None if one is not known.
+
+    Of grains of several types it is the mean by volume if their numbers are known, else the largest.
+    """
     bodies = [body for case in around.cases for body in (case.first, case.second) if body is not None]
     moving = [body for body in bodies if not body.fixed and body.mass != math.inf]
     known = [
@@ -165,7 +189,19 @@ def _density(around: Around) -> float | None:
         for body in moving
         if body.mass and body.radius
     ]
-    return max(known) if known and len(known) == len(moving) else None
+    if not known or len(known) < len(moving):
+        return None
+    of_type = {
+        case.types[0]: body.mass / (UNIT_BALL[3] * body.radius**3)
+        for case in around.cases
+        for body in [case.first]
+        if len({*case.types} - {WALL}) == 1 and body.mass and body.radius and body.mass != math.inf
+    }
+    if around.dimension != 3 or not kinds or any(kind.type not in of_type for kind in kinds):
+        return max(known)
+    volumes = [kind.share * kind.radius**3 for kind in kinds]
+    masses = [v * (k.density or of_type[k.type]) for v, k in zip(volumes, kinds, strict=True)]
+    return math.fsum(masses) / math.fsum(volumes)
 
 
 def bed_of_system(system: ParticleSystem) -> tuple[float, float] | None:

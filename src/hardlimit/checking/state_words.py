@@ -114,6 +114,13 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
+    if state.deepest_overlap is not None:
+        deepest = percent(state.deepest_overlap)
+        yield f"The overlap is the mean of all contacts at this pressure; the deepest are about {deepest} of R."
+    elif state.overlap_of == "the softest contacts":
+        yield "The overlap is that of the softest contacts: it is not known how many grains of each kind there are."
+    elif state.overlap is not None:
+        yield "The overlap is the mean of all contacts at this pressure, over the smaller radius of both grains."
     if state.packing_excess is not None and state.coordination_excess is not None:
         denser, more = percent(state.packing_excess), percent(state.coordination_excess)
         yield f"Beds of such grains are {denser} denser than those of rigid ones and have {more} more contacts."

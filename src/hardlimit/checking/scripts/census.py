@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .description import Range
+from .description import Lot, Range
 
 #: Cartesian sites of the unit cell of each lattice, and its edges over the first one.
 SQUARE: Final = (1.0, 1.0, 1.0)
@@ -52,28 +52,6 @@ def lattice(style: str, scale: float, dimension: int, reduced: bool) -> Lattice:
     if reduced and style != "none":
         scale = (len(sites) / math.prod(shape[:dimension]) / scale) ** (1.0 / dimension)
     return Lattice(sites, (scale * shape[0], scale * shape[1], scale * shape[2]))
-
-
-class Lot(NamedTuple):
-    """Grains of one type: how many, and the sums of the squares and cubes of their radii. None: not known."""
-
-    kind: int
-    number: float | None = None
-    squares: float | None = None
-    cubes: float | None = None
-
-    def times(self, share: float) -> Lot:
-        """A share of these grains, drawn at random."""
-        parts = [None if value is None else share * value for value in self[1:]]
-        return Lot(self.kind, *parts)
-
-    def of_radius(self, radius: float | None) -> Lot:
-        """The same number of grains of another radius."""
-        if radius is None or self.number is None:
-            return self._replace(squares=None, cubes=None)
-        return self._replace(
-            squares=self.number * radius * radius, cubes=self.number * radius * radius * radius
-        )
 
 
 @dataclass
@@ -116,6 +94,11 @@ class Census:
         counts = [lot.number for lot in self.lots]
         known = [count for count in counts if count is not None]
         return math.fsum(known) if self.complete and known and len(known) == len(counts) else None
+
+    @property
+    def known(self) -> tuple[Lot, ...]:
+        """The lots if their numbers are known, else none."""
+        return () if self.count is None else tuple(self.lots)
 
     def filled(self, dimension: int) -> float | None:
         """Total volume of all grains, in two dimensions their area; None if it is not known."""

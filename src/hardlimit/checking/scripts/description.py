@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from datetime import datetime
+from typing import NamedTuple
 
 from ...convert.tangential import Tangential
 
@@ -66,6 +67,28 @@ class Speed:
     decides: bool = False  #: whether it is that of a gas, and no estimate
 
 
+class Lot(NamedTuple):
+    """Grains of one type: how many, and the sums of the squares and cubes of their radii. None: not known."""
+
+    kind: int
+    number: float | None = None
+    squares: float | None = None
+    cubes: float | None = None
+
+    def times(self, share: float) -> Lot:
+        """A share of these grains, drawn at random."""
+        parts = [None if value is None else share * value for value in self[1:]]
+        return Lot(self.kind, *parts)
+
+    def of_radius(self, radius: float | None) -> Lot:
+        """The same number of grains of another radius."""
+        if radius is None or self.number is None:
+            return self._replace(squares=None, cubes=None)
+        return self._replace(
+            squares=self.number * radius * radius, cubes=self.number * radius * radius * radius
+        )
+
+
 @dataclass(frozen=True)
 class Contents:
     """What a script says of the grains in its box. None: it does not."""
@@ -78,6 +101,7 @@ class Contents:
     walled: bool = False  #: whether side walls, which may carry a part of the weight, are around it
     height: float | None = None  #: that no bed of these grains exceeds
     height_from: str = ""  #: where this comes from, in words
+    lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
 
 
 NOTHING = Contents()

@@ -16,7 +16,7 @@ import numpy as np
 from ...support.formatting import digits
 from . import census
 from .census import Census, Lattice
-from .description import Contents, Direction, Range, Speed, Stage
+from .description import Contents, Direction, Lot, Range, Speed, Stage
 from .motion import AXES, BOLTZMANN
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def read_data(state: State, text: str, grains: Sequence[tuple[int, Batch]], shif
         for power, by in enumerate((0, 2, 3)):
             own[power] += radius**by
     for kind, totals in sums.items():
-        filling.census.add(census.Lot(kind, *totals))
+        filling.census.add(Lot(kind, *totals))
     lines = text.splitlines()
     starts = [k for k, line in enumerate(lines) if line.partition("#")[0].split() == ["Velocities"]]
     if not starts or len(grains) < 2:
@@ -252,7 +252,7 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None) -> None:
     region = filling.regions.get(name)
     space = census.volume(region, filling.ends) if region and share is not None else None
     if share is not None and space is not None and math.isfinite(space):
-        filling.census.lots[-1] = census.Lot(kind, cubes=0.75 / math.pi * share * space)
+        filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * share * space)
 
 
 def alike(radii: Range | None) -> tuple[float, float] | None:
@@ -356,6 +356,7 @@ def contents(state: State, stage: Stage) -> Contents:
         filled=filling.census.filled(state.dimension),
         volume=volume(state),
         speeds=(*stated, *falls(state, stage)),
+        lots=filling.census.known,
     )
 
 

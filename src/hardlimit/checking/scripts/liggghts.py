@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
-from . import filling, granular_words, liggghts_friction, motion
+from . import census, filling, granular_words, liggghts_friction, motion
 from .description import ContactSettings, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
@@ -107,6 +107,7 @@ class Liggghts(State):
         self.properties: dict[str, Property] = {}
         self.templates: dict[str, tuple[int, Batch]] = {}
         self.distributions: dict[str, list[str]] = {}
+        self.shares: dict[str, list[float | None]] = {}  #: of the mass, of the templates of each distribution
         self.meshes: dict[str, int] = {}
         self.coarse = 1.0
 
@@ -401,8 +402,9 @@ class Liggghts(State):
         self.templates[fix.statement.words[1]] = (kind, Batch(radii, limits.get("density")))
 
     def distribution(self, fix: Fix) -> None:
-        """The templates of a distribution."""
+        """The templates of a distribution, and their shares of its mass."""
         self.distributions[fix.statement.words[1]] = list(fix.words[2::2])
+        self.shares[fix.statement.words[1]] = [self.coefficient(word) for word in fix.words[3::2]]
 
     def insert(self, fix: Fix) -> None:
         """Insertion of a distribution."""
@@ -416,6 +418,17 @@ class Liggghts(State):
         known = [template for template in templates if template is not None]
         sizes = {template.radii for _, template in known}
         filling.inserted(self, fix, known[0][0], sizes.pop() if len(sizes) == 1 else None)
+        lot = self.filling.census.lots[-1]
+        if (
+            len(known) > 1
+            and lot.number
+            and (shares := numbers([each for _, each in known], self.shares[name]))
+        ):
+            means = [filling.alike(template.radii) for _, template in known]
+            pairs = zip(known, shares, means, strict=True)
+            self.filling.census.lots[-1:] = [
+                census.lot(kind, share * lot.number, mean) for (kind, _), share, mean in pairs
+            ]
 
     def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
         """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""
@@ -423,3 +436,14 @@ class Liggghts(State):
             radius = None if value is None else 0.5 * value * self.coarse
             return lambda batch: batch.with_radius(radius)
         return super().changed(keyword, value)
+
+
+def numbers(templates: Sequence[Batch], masses: Sequence[float | None]) -> list[float]:
+    """Shares of the number of grains of templates of one size each from those of the mass; empty if not known."""
+    shares = []
+    for template, mass in zip(templates, masses, strict=False):
+        radii, densities = template.radii, template.densities
+        if not mass or radii is None or densities is None or len({*radii}) + len({*densities}) > 2:
+            return []
+        shares.append(mass / (radii[0] ** 3 * densities[0]))
+    return [share / math.fsum(shares) for share in shares] if len(shares) == len(templates) else []

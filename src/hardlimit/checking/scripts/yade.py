@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from ...convert.tangential import Tangential
-from .census import Lot
 from .description import (
     WALL,
     ContactSettings,
@@ -21,6 +20,7 @@ from .description import (
     Description,
     Direction,
     Grains,
+    Lot,
     Motion,
     Note,
     Quote,

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from . import census
 from .commands import text_of
-from .description import Contents, Direction, Range, Speed, Stage
+from .description import Contents, Direction, Lot, Range, Speed, Stage
 from .python import Instance, flat
 from .yade_container import Container, Ends, axis_of, box_around, is_number, vector
 
@@ -43,7 +43,8 @@ class YadeFilling:
         """What a run has in its cell, and the speeds that are stated for it."""
         volume = math.prod(self.cell) if self.periodic and self.cell else None
         speeds = [*falls(self, stage), *(relative(self) if self.known else ())]
-        return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds))
+        lots = self.census.known
+        return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds), lots=lots)
 
     def bed(self, contents: Contents, down: Direction) -> Contents:
         """With the area on which the spheres lie, and the height above which none of them comes to rest."""
@@ -194,13 +195,13 @@ def radii_in(folder: Path | None, instance: Instance, pack: bool) -> list[float]
     return radii if radii and all(0.0 < radius < math.inf for radius in radii) else None
 
 
-def lot_of(radii: Sequence[float]) -> census.Lot:
+def lot_of(radii: Sequence[float]) -> Lot:
     """Spheres of known radii."""
     squares, cubes = (math.fsum(radius**p for radius in radii) for p in (2, 3))
-    return census.Lot(0, float(len(radii)), squares, cubes)
+    return Lot(0, float(len(radii)), squares, cubes)
 
 
-def uniform(count: float | None, radii: Range | None) -> census.Lot:
+def uniform(count: float | None, radii: Range | None) -> Lot:
     """Spheres whose radii are uniform in a range."""
     return census.lot(0, count, None if radii is None else census.moments(radii))
 

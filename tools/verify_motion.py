@@ -1,0 +1,222 @@
+"""Run scripts of tests/checking/data/states in LAMMPS, LIGGGHTS and YADE, and write how walls and grains really move.
+
+    python tools/verify_motion.py tests/data/script_motions.csv [--only NAME]
+
+Shaken plates: amplitude and angular frequency of a sine through the places of the wall; Γ and S follow. Flows: the
+shear rate, by a line through the velocities over the depth, and the pressure in the middle, from the weight above; the
+inertial number follows. Requires LAMMPS, ``liggghts`` and ``yade``; rows of a missing code stay.
+"""
+
+import argparse
+import csv
+import itertools
+import math
+import re
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+import scipy
+from verify_states import CODES, Lammps, Script
+
+#: A square of two by two.
+PLATE: Final = """solid plate
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 2 0 0
+vertex 2 2 0
+endloop
+endfacet
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 2 2 0
+vertex 0 2 0
+endloop
+endfacet
+endsolid plate
+"""
+#: Lines that make YADE print where the plate is.
+WATCH: Final = """
+for _ in range(400):
+    print("PLACE", O.time, O.bodies[plate].state.pos[2], flush=True)
+    O.run(250, True)
+"""
+
+
+class Motion(NamedTuple):
+    """What is measured of a script, and how."""
+
+    name: str
+    measure: Callable[[Lammps], dict[str, float]]
+
+
+# --- walls that oscillate ------------------------------------------------------------------------------------------
+
+
+def shaken(times: np.ndarray, places: np.ndarray, gravity: float, diameter: float) -> dict[str, float]:
+    """Γ and S of the sine through these places."""
+
+    def fitted(omega: float) -> tuple[np.ndarray, float]:
+        design = np.column_stack([np.ones_like(times), np.cos(omega * times), np.sin(omega * times)])
+        parts, *_ = np.linalg.lstsq(design, places)
+        return parts, float(np.sum((design @ parts - places) ** 2))
+
+    grid = 2.0 * math.pi / float(np.ptp(times)) * np.linspace(0.5, 12.0, 2000)
+    start = min(grid, key=lambda omega: fitted(omega)[1])
+    width = grid[1] - grid[0]
+    omega = float(
+        scipy.optimize.minimize_scalar(
+            lambda w: fitted(w)[1], bounds=(start - width, start + width), method="bounded"
+        ).x
+    )
+    parts, residual = fitted(omega)
+    amplitude = float(np.hypot(*parts[1:]))
+    print("residual over amplitude", math.sqrt(residual / len(times)) / amplitude, flush=True)
+    return {
+        "gamma": amplitude * omega**2 / gravity,
+        "strength": (amplitude * omega) ** 2 / (gravity * diameter),
+    }
+
+
+def plate_in_lammps(code: Lammps) -> dict[str, float]:
+    """From the place where the wall touches a large grain that does not move, in place of the others."""
+    probe = "create_atoms 1 single 0.005 0.005 0.0024 units box\nset type 1 diameter 5e-3 density 2500"
+    text = code.text.replace("create_atoms 1 region seed", "").replace(
+        "set type 1 diameter 1e-3 density 2500", probe
+    )
+    text = text.replace("wiggle z $A $T", "wiggle z $A $T contacts")
+    dump = "dump touch all custom 500 touch.dump f_plate[1] f_plate[7]\ndump_modify touch format float %.12g"
+    code.run(text.replace("run 1000000", f"fix stop all freeze\n{dump}\nrun 200000"))
+    rows = [(step, *table[0]) for step, table in frames(code.folder / "touch.dump")]
+    times, touches, places = np.array([row for row in rows if row[1] > 0.0]).T
+    print("samples", len(times), "of", len(rows), touches.min(), flush=True)
+    return shaken(5e-7 * times, places, 9.81, 1e-3)
+
+
+def plate_in_liggghts(code: Lammps) -> dict[str, float]:
+    """From the corners of the mesh, in cgs units."""
+    (code.folder / "plate.stl").write_text(PLATE)
+    code.run(code.text.replace("run 100000", "dump mesh all mesh/stl 500 plate_*.txt\nrun 60000"))
+    steps, places = [], []
+    for path in code.folder.glob("plate_*.txt"):
+        heights = re.findall(r"vertex \S+ \S+ (\S+)", path.read_text())
+        steps.append(int(path.stem.rpartition("_")[2]))
+        places.append(np.mean([float(height) for height in heights]))
+    return shaken(2e-6 * np.array(steps), np.array(places), 981.0, 0.2)
+
+
+def plate_in_yade(code: Lammps) -> dict[str, float]:
+    """From the place of the body."""
+    rows = re.findall(r"PLACE (\S+) (\S+)", code.run(code.text.replace("O.run(100000, True)", WATCH)))
+    times, places = np.array(rows, float).T
+    return shaken(times, places, 9.81, 2e-3)
+
+
+# --- flows -----------------------------------------------------------------------------------------------------
+
+
+def frames(path: Path) -> list[tuple[int, np.ndarray]]:
+    """Step and rows of each frame of a dump."""
+    blocks = path.read_text().split("ITEM: TIMESTEP\n")[1:]
+    tables = [
+        (int(block.split("\n")[0]), block.partition("ITEM: ATOMS")[2].split("\n")[1:]) for block in blocks
+    ]
+    return [(step, np.array([line.split() for line in rows if line], float)) for step, rows in tables]
+
+
+def profile(depth: np.ndarray, speed: np.ndarray, ends: tuple[float, float]) -> float:
+    """Slope of the speed over the depth between two depths."""
+    among = (depth > ends[0]) & (depth < ends[1])
+    return abs(float(np.polyfit(depth[among], speed[among], 1)[0]))
+
+
+def chute_in_lammps(code: Lammps) -> dict[str, float]:
+    """Mean of the last frames; the middle of the layer, in ``lj`` units: g = 1, d = 1, the density is 1."""
+    code.run(
+        code.text.replace("run 100000", "dump last flow custom 2000 last.dump x y z vx mass\nrun 400000")
+    )
+    last = frames(code.folder / "last.dump")[-50:]
+    rows = np.concatenate([rows for _, rows in last])
+    top, bottom = float(np.quantile(rows[:, 2], 0.98)), float(rows[:, 2].min())
+    middle, reach = 0.5 * (top + bottom), 0.25 * (top - bottom)
+    rate = profile(rows[:, 2], rows[:, 3], (middle - reach, middle + reach))
+    above = rows[rows[:, 2] > middle, 4].sum() / len(last)
+    pressure = above * math.cos(math.radians(24.0)) / 50.0
+    return {"shear_rate": rate, "pressure": pressure, "inertial_number": rate / math.sqrt(pressure)}
+
+
+def drum_in_lammps(code: Lammps) -> dict[str, float]:
+    """Below the free surface in the middle of the drum: the surface is a line through the highest grains."""
+    dump = "dump last all custom 2000 last.dump x y vx vy mass\nrun 400000"
+    code.run(code.text.replace("run 400000", dump))
+    last = frames(code.folder / "last.dump")[-120:]
+    rows = np.concatenate([rows for _, rows in last])
+    slope = surface(rows)
+    along, down = np.array([1.0, slope]), np.array([slope, -1.0])
+    along, down = along / np.hypot(*along), down / np.hypot(*down)
+    at, depth = rows[:, :2] @ along, rows[:, :2] @ down
+    middle = float(np.median(at))
+    near = np.abs(at - middle) < 4e-3
+    depth = depth - np.quantile(depth[near], 0.01)
+    rate = profile(depth[near], rows[near, 2:4] @ along, (0.0, 4e-3))
+    above = rows[near & (depth < 2e-3), 4].sum() / len(last) / (8e-3 * 0.01)
+    pressure = above * 9.81 * abs(down[1])
+    print("slope", math.degrees(math.atan(slope)), flush=True)
+    return {
+        "shear_rate": rate,
+        "pressure": pressure,
+        "inertial_number": rate * 2e-3 * math.sqrt(2500.0 / pressure),
+    }
+
+
+def surface(rows: np.ndarray) -> float:
+    """Slope of the line through the highest grains of columns in the middle of a heap."""
+    edges = np.quantile(rows[:, 0], np.linspace(0.2, 0.8, 9))
+    columns = [rows[(rows[:, 0] > low) & (rows[:, 0] < high)] for low, high in itertools.pairwise(edges)]
+    tops = [(float(c[:, 0].mean()), float(np.quantile(c[:, 1], 0.98))) for c in columns]
+    return float(np.polyfit(*np.array(tops).T, 1)[0])
+
+
+MOTIONS: Final = (
+    Motion("lammps_vibrated_bed", plate_in_lammps),
+    Motion("liggghts_shaken_plate", plate_in_liggghts),
+    Motion("yade_shaken_bed", plate_in_yade),
+    Motion("lammps_chute", chute_in_lammps),
+    Motion("lammps_turning_drum", drum_in_lammps),
+)
+COLUMNS: Final = ("script", "version", "gamma", "strength", "shear_rate", "pressure", "inertial_number")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--only", default="", help="only scripts whose name contains this")
+    arguments = parser.parse_args()
+    rows: dict[str, dict[str, str]] = {}
+    if arguments.file.exists():
+        with arguments.file.open(encoding="utf-8") as file:
+            rows = {row["script"]: dict(row) for row in csv.DictReader(file)}
+    for motion in MOTIONS:
+        kind = motion.name.split("_")[0]
+        if arguments.only not in motion.name or (kind != "lammps" and not shutil.which(kind)):
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            code = CODES[kind](Script(motion.name, 0.0), Path(folder))
+            values = {name: f"{value:.4g}" for name, value in motion.measure(code).items()}
+            rows[motion.name] = {"script": motion.name, "version": code.version(), **values}
+            print(rows[motion.name], flush=True)
+        with arguments.file.open("w", newline="", encoding="utf-8") as file:
+            written = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
+            written.writeheader()
+            written.writerows(rows[each.name] for each in MOTIONS if each.name in rows)
+
+
+if __name__ == "__main__":
+    main()
