@@ -80,7 +80,7 @@ create_atoms 1 single 0.2 0.5 0.5
 create_atoms 1 single 0.8 0.5 0.5
 set group all diameter 2e-3 density 2500
 pair_style granular
-pair_coeff * * hooke 1e4 {damping} damping mass_velocity
+pair_coeff * * hooke 1e4 {damping} damping mass_velocity tangential linear_nohistory 0 0
 fix i all nve/sphere
 timestep 1e-6
 run 10
@@ -106,7 +106,7 @@ region b block 0 1 0 1 0 1
 create_box 1 b
 read_restart gas.bin
 pair_style granular
-pair_coeff * * hooke 1e4 0.02 damping velocity
+pair_coeff * * hooke 1e4 0.02 damping velocity tangential linear_nohistory 0 0
 fix i all nve/sphere
 timestep 1e-6
 run 10
