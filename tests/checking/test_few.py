@@ -93,6 +93,22 @@ run 10
     assert state.step_share == pytest.approx(1e-6 / expected)
 
 
+def test_one_grain_touches_its_wall_only():
+    """Its spring moves the whole mass: in LAMMPS, motion on the floor decays at 0.97 times this step, grows at 1.03."""
+    contact = "granular hooke 1e4 0.05 damping velocity tangential linear_nohistory 0 0"
+    one = GAS.replace(
+        "read_restart gas.bin", "create_atoms 1 single 0.5 0.5 0.1\nset group all diameter 2e-3 density 2500"
+    )
+    one += f"fix w all wall/gran {contact} zplane 0 NULL\nfix g all gravity 9.81 vector 0 0 -1\nrun 10\n"
+    state = hl.check(
+        one.replace("region b block 0 1 0 1 0 1", "boundary p p f\nregion b block 0 1 0 1 0 1")
+    ).state
+    mass = 4.0 / 3.0 * math.pi * 1e-9 * 2500.0
+    omega, zeta = math.sqrt(1e4 / mass), 0.05 / (2.0 * math.sqrt(mass * 1e4))
+    assert state.grains == 1
+    assert state.largest_stable_step == pytest.approx(2.0 * (math.sqrt(1.0 + zeta**2) - zeta) / omega)
+
+
 def test_more_than_two_grains_or_a_pressure_have_another_number():
     three = f"{TWO}, sphere((0, 0, 0.05), 0.01)"
     assert hl.check(pair(three), speed=1.0).state.grains is None
