@@ -96,12 +96,12 @@ run 10
 def test_one_grain_touches_its_wall_only():
     """Its spring moves the whole mass: in LAMMPS, motion on the floor decays at 0.97 times this step, grows at 1.03."""
     contact = "granular hooke 1e4 0.05 damping velocity tangential linear_nohistory 0 0"
-    one = GAS.replace(
+    bed = GAS.replace(
         "read_restart gas.bin", "create_atoms 1 single 0.5 0.5 0.1\nset group all diameter 2e-3 density 2500"
     )
-    one += f"fix w all wall/gran {contact} zplane 0 NULL\nfix g all gravity 9.81 vector 0 0 -1\nrun 10\n"
+    bed += f"fix w all wall/gran {contact} zplane 0 NULL\nfix g all gravity 9.81 vector 0 0 -1\nrun 10\n"
     state = hl.check(
-        one.replace("region b block 0 1 0 1 0 1", "boundary p p f\nregion b block 0 1 0 1 0 1")
+        bed.replace("region b block 0 1 0 1 0 1", "boundary p p f\nregion b block 0 1 0 1 0 1")
     ).state
     mass = 4.0 / 3.0 * math.pi * 1e-9 * 2500.0
     omega, zeta = math.sqrt(1e4 / mass), 0.05 / (2.0 * math.sqrt(mass * 1e4))
