@@ -80,7 +80,7 @@ create_atoms 1 single 0.2 0.5 0.5
 create_atoms 1 single 0.8 0.5 0.5
 set group all diameter 2e-3 density 2500
 pair_style granular
-pair_coeff * * hooke 1e4 {damping} damping mass_velocity
+pair_coeff * * hooke 1e4 {damping} damping mass_velocity tangential linear_nohistory 0 0
 fix i all nve/sphere
 timestep 1e-6
 run 10
@@ -91,6 +91,22 @@ run 10
     expected = 2.0 * (math.sqrt(1.0 + zeta**2) - zeta) / omega
     assert state.grains == 2 and state.largest_stable_step == pytest.approx(expected)
     assert state.step_share == pytest.approx(1e-6 / expected)
+
+
+def test_one_grain_touches_its_wall_only():
+    """Its spring moves the whole mass: in LAMMPS, motion on the floor decays at 0.97 times this step, grows at 1.03."""
+    contact = "granular hooke 1e4 0.05 damping velocity tangential linear_nohistory 0 0"
+    bed = GAS.replace(
+        "read_restart gas.bin", "create_atoms 1 single 0.5 0.5 0.1\nset group all diameter 2e-3 density 2500"
+    )
+    bed += f"fix w all wall/gran {contact} zplane 0 NULL\nfix g all gravity 9.81 vector 0 0 -1\nrun 10\n"
+    state = hl.check(
+        bed.replace("region b block 0 1 0 1 0 1", "boundary p p f\nregion b block 0 1 0 1 0 1")
+    ).state
+    mass = 4.0 / 3.0 * math.pi * 1e-9 * 2500.0
+    omega, zeta = math.sqrt(1e4 / mass), 0.05 / (2.0 * math.sqrt(mass * 1e4))
+    assert state.grains == 1
+    assert state.largest_stable_step == pytest.approx(2.0 * (math.sqrt(1.0 + zeta**2) - zeta) / omega)
 
 
 def test_more_than_two_grains_or_a_pressure_have_another_number():
@@ -106,7 +122,7 @@ region b block 0 1 0 1 0 1
 create_box 1 b
 read_restart gas.bin
 pair_style granular
-pair_coeff * * hooke 1e4 0.02 damping velocity
+pair_coeff * * hooke 1e4 0.02 damping velocity tangential linear_nohistory 0 0
 fix i all nve/sphere
 timestep 1e-6
 run 10

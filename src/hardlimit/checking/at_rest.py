@@ -517,9 +517,7 @@ class GrainState:
     step_is_supposed: bool = False  #: whether it is that below 100 layers, or for rigid grains
     step_share: float | None = None  #: the time step over it
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
-    supposed_tc_nu: float | None = (
-        None  #: t_c ν of a gas at this packing fraction and impact speed, not both its own
-    )
+    supposed_tc_nu: float | None = None  #: t_c ν of a gas of which φ or the speed is supposed
     impact_speed: float | None = None  #: [m/s] of this impact
     speed_is_chosen: bool = False  #: whether no speed is known
     restitution: float | None = None  #: ε of this impact

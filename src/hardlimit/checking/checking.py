@@ -866,11 +866,12 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
-    number_known = grains.pressure is not None or grains.shaking is not None
+    prescribed = grains.name == "pressed" and grains.pressure is not None
     several = count is None or count > few.FEW
     if several and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
-    if loaded or number_known or around.state is not None or (not speeds and stage.units == "lj"):
+    shaken = grains.shaking is not None
+    if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
     if count is not None and 0 <= count <= few.FEW:

@@ -132,9 +132,9 @@ def _numbers(examined: Examined) -> Iterator[str]:
             continue
         if force.contact.asked is not None:
             law = f"{DAMPING_LAW}  # in place of {force.contact.settings['betan'].text}"
-            then = with_damping(case)
-            off = then is not None and abs(then - wanted) > TOLERATED
-            yield f"{law}; en={wanted:g} then gives ε = {digits(then or 0.0, 3)}" if off else law
+            obtained = with_damping(case)
+            off = obtained is not None and abs(obtained - wanted) > TOLERATED
+            yield f"{law}; en={wanted:g} then gives ε = {digits(obtained or 0.0, 3)}" if off else law
             continue
         bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
         name = force.model.damping.number

@@ -29,6 +29,8 @@ def with_contact(
 
     Contacts of unknown sizes, masses or forces are left out. ``chosen``: whether the speed is none of the script.
     """
+    walls = [case for case in cases if case.second is None]
+    cases = walls if count == 1 and walls else cases
     contacts = []
     for case in cases:
         bodies = [body for body in (case.first, case.second) if body is not None]
