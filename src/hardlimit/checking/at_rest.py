@@ -439,6 +439,7 @@ class Load:
     gravity: float | None = None
     shaking: float | None = None  #: Γ
     frequency: float | None = None  #: angular, of the shaking
+    tilt: float | None = None  #: angle [°] between gravity and the nearest axis
 
 
 @dataclass(frozen=True)
@@ -469,6 +470,7 @@ class GrainState:
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
+    tilt: float | None = None  #: angle [°] between gravity and the nearest axis, as in chutes
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -494,7 +496,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         return GAS
     rough = any(case.friction.coefficient != 0.0 for case in moving)
     packing = load.packing or PACKINGS[dimension, rough]
-    unequal = rough and len({kind.radius for kind in load.kinds}) > 1
+    unequal = rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1
     share = UNEQUAL_SHARE if unequal else packing.stress_share
     packing = packing._replace(stress_share=share if load.weight else 1.0)
     contacts = loaded(moving, load.pressure, packing, dimension)
@@ -517,6 +519,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         inertial_number=inertial,
         regime=None if inertial is None else regime(inertial),
         shaking=load.shaking,
+        tilt=load.tilt,
     )
     if softest is None or load.pressure is None:
         return state
