@@ -84,7 +84,7 @@ PRESSED: Final = Packing(0.606, 4.5, 1.0, 2.16, 6.0)
 #: contact networks of these beds. Of disks, those of six neighbours, which no packing of equal ones exceeds.
 MOVED: Final = {3: (3.8, 0.38), 2: (6.0, 0.0)}
 TURNED: Final = {3: (8.0, 1.23), 2: (12.0, 0.0)}
-#: Mean of the normal stresses over that along gravity in settled beds of unequal spheres with friction: 0.81 to 0.99.
+#: Mean of the normal stresses over that along gravity in settled beds of unequal spheres with friction: 0.82 to 0.97.
 UNEQUAL_SHARE: Final = 0.86
 #: Standard deviations by which the springs to the neighbours of the fastest grains exceed the mean.
 SPREAD: Final = 1.3
