@@ -46,6 +46,7 @@ VALUES: Final = {
     "packing_fraction": ("1", "packing fraction"),
     "pressure": ("1", "mean pressure in m g/d²"),
     "weight": ("1", "weight of half of the bed over its area in m g/d²"),
+    "vertical": ("1", "weight per area above the middle of the layer, in m g/d²"),
     "coordination": ("1", "mean number of contacts of a particle"),
     "width": ("1", "standard deviation of the radii over their mean"),
     "power": ("1", "power of the radius in the number of contacts of a particle"),
@@ -137,6 +138,7 @@ def values_of(system: hl.ParticleSystem, kind: str, weight: float) -> dict[str, 
         "packing_fraction": filled / volume,
         "pressure": pressure,
         "weight": weight,
+        "vertical": float(system.mass @ ((z > high) + 0.5 * inside)) / float(np.prod(system.box[:2])),
         "coordination": 2.0 * float(share.sum()) / float(inside.sum()),
         "width": float(radius[inside].std() / radius[inside].mean()),
         "power": power_of(radius[inside], counts[inside]) if spread else math.nan,
@@ -237,7 +239,9 @@ def axes() -> Mapping[str, list[str]]:
 
 
 def tables(ds: xr.Dataset) -> str:
-    head = "law | sizes | κ_p | φ | z | power of z | δ/R [%] | expected over it | 99 % of forces | steps"
+    head = (
+        "law | sizes | κ_p | φ | z | power of z | δ/R [%] | expected over it | p/σ | 99 % of forces | steps"
+    )
     rows = []
     for kind, names in LAWS.items():
         for name in names:
@@ -247,7 +251,8 @@ def tables(ds: xr.Dataset) -> str:
                 (kind, name, f"{np.mean(kappas):.0f}", f"{float(mean.packing_fraction):.3f}",
                  f"{float(mean.coordination):.2f}", "–" if math.isnan(mean.power) else f"{float(mean.power):.2f}",
                  f"{100.0 * float(mean.overlap):.4f}", ", ".join(f"{ratio:.2f}" for ratio in ratios),
-                 f"{float(mean.deepest):.1f}", f"{min(ends):.2f} to {max(ends):.2f}" if ends else "–")
+                 f"{float(mean.pressure / mean.vertical):.2f}", f"{float(mean.deepest):.1f}",
+                 f"{min(ends):.2f} to {max(ends):.2f}" if ends else "–")
             )  # fmt: skip
     return driver.table(head, rows)
 

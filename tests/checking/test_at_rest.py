@@ -501,6 +501,16 @@ def test_a_belt_flows():
     assert state(script(CLIPPED, FALL, SHEARED), height=0.1, shear_rate=5.0).regime == "dense"
 
 
+@pytest.mark.parametrize(
+    ("gravity", "tilt"), [("vector 0 0 -1", 0.0), ("chute 24.0", 24.0), ("chute 5.0", 5.0)]
+)
+def test_a_slope_is_said(gravity, tilt):
+    """From 15° on grains may flow; the option that gives the inertial number is named."""
+    verdict = hl.check(script(CLIPPED, FALL.replace("vector 0 0 -1", gravity), WALL), height=0.1)
+    assert verdict.state.tilt == pytest.approx(tilt, abs=1e-6)
+    assert (f"tilted by {tilt:g}°: if they flow, --shear" in verdict.sentence) is (tilt > 15.0)
+
+
 @pytest.mark.parametrize("kind", SHAKEN)
 def test_shaken_boxes_have_a_strength(kind):
     """S = (A ω)²/(g d) above Γ = 1; at rest below."""

@@ -6,6 +6,7 @@ import pytest
 
 import hardlimit as hl
 from conftest import table
+from hardlimit.checking import scripts
 
 STATES = Path(__file__).parent / "data/states"
 MEASURED = {row["script"]: row for row in table("script_states")}
@@ -78,3 +79,15 @@ def test_the_inertial_number_is_that_of_the_flow_in_the_code(name):
     said = hl.check(STATES / name, **options).state
     assert said.inertial_number == pytest.approx(float(row["inertial_number"]), rel=1e-3)
     assert said.regime == "collisional"
+
+
+def test_the_numbers_of_a_distribution_are_those_that_the_code_inserts():
+    """LIGGGHTS' shares are of the mass: 398, 177 and 125 of 700 grains; the script alone says what its dump says."""
+    name = "liggghts_three_sizes"
+    (stage,) = scripts.read((STATES / name).read_text(encoding="utf-8")).stages
+    assert [lot.number for lot in stage.contents.lots] == pytest.approx([398, 177, 125], abs=0.5)
+    alone, dumped = (
+        hl.check(STATES / name, dump=dump, speed=0.1).state for dump in (None, STATES / f"{name}.dump.gz")
+    )
+    assert alone.pressure == pytest.approx(dumped.pressure, rel=2e-3)
+    assert alone.overlap == pytest.approx(dumped.overlap, rel=5e-3)

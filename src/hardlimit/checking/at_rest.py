@@ -86,7 +86,7 @@ PRESSED: Final = Packing(0.606, 4.5, 1.0, 2.16, 6.0)
 #: contact networks of these beds. Of disks, those of six neighbours, which no packing of equal ones exceeds.
 MOVED: Final = {3: (3.8, 0.38), 2: (6.0, 0.0)}
 TURNED: Final = {3: (8.0, 1.23), 2: (12.0, 0.0)}
-#: Mean of the normal stresses over that along gravity in settled beds of unequal spheres with friction: 0.81 to 0.99.
+#: Mean of the normal stresses over that along gravity in settled beds of unequal spheres with friction: 0.82 to 0.97.
 UNEQUAL_SHARE: Final = 0.86
 #: Standard deviations by which the springs to the neighbours of the fastest grains exceed the mean.
 SPREAD: Final = 1.3
@@ -484,6 +484,7 @@ class Load:
     density: float | None = None  #: largest one of the grains
     shaking: float | None = None  #: Γ
     frequency: float | None = None  #: angular, of the shaking
+    tilt: float | None = None  #: angle [°] between gravity and the nearest axis
 
 
 @dataclass(frozen=True)
@@ -526,6 +527,7 @@ class GrainState:
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
+    tilt: float | None = None  #: angle [°] between gravity and the nearest axis, as in chutes
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -551,7 +553,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         return GAS
     rough = any(case.friction.coefficient != 0.0 for case in moving)
     bed = load.packing or PACKINGS[dimension, rough]
-    if rough and len({kind.radius for kind in load.kinds}) > 1:
+    if rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1:
         bed = bed._replace(stress_share=UNEQUAL_SHARE)
     packing = bed if load.weight else bed._replace(stress_share=1.0)
     contacts = loaded(moving, load.pressure, packing, dimension)
@@ -571,6 +573,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         inertial_number=inertial,
         regime=None if inertial is None else regime(inertial),
         shaking=load.shaking,
+        tilt=load.tilt,
     )
     if not contacts:
         return of_any_size(state, moving, load.pressure, packing, dimension)

@@ -119,6 +119,8 @@ def load_of(
         shaking=support.shaking,
     )
     load = replace(load, **_pressure(stage, options, around, pressed))
+    if stage.gravity and stage.down:
+        load = replace(load, tilt=math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0))))
     settled = name == "rest" or load.weight or around.packing != PACKINGS[3, True]
     return load if settled else replace(load, packing=PRESSED)
 

@@ -11,6 +11,8 @@ from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
 BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
+#: Angle [°] from which grains may flow down a slope; heaps of glass beads stand up to 20 or more.
+STEEP = 15.0
 VERBS = {
     "shaken": "Grains rest under",
     "rest": "Grains rest under",
@@ -37,7 +39,11 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
         sign = "≥ " if state.pressure_is_bound else ""
         parts.append(f"I = γ̇ d √(ρ/p) = {sign}{digits(state.inertial_number, 2)}: {state.regime} flow")
     elif state.name == "flow":
-        parts.append("--shear gives the inertial number")
+        parts.append("--shear, of the flowing layer, gives the inertial number")
+    elif state.name == "rest" and (state.tilt or 0.0) >= STEEP:
+        parts.append(
+            f"Gravity is tilted by {digits(state.tilt or 0.0, 2)}°: if they flow, --shear gives I = γ̇ d √(ρ/p)"
+        )
     if state.regime != "collisional":
         parts.append(_step(state, plain))
     return " ".join(f"{part}." for part in parts if part)

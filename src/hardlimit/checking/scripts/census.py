@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .description import Lot, Range
+from .description import Lot as Lot
+from .description import Range
 
 #: Cartesian sites of the unit cell of each lattice, and its edges over the first one.
 SQUARE: Final = (1.0, 1.0, 1.0)
