@@ -104,7 +104,7 @@ def run_of(name: str, system: hl.ParticleSystem, law: hl.Law, until: float, **op
 @each_solver
 @example(seed=50, law=LAWS[0])  # a wall that comes near between two instants
 @example(seed=257989, law=LAWS[4])  # a kick of a body beyond a sheared side
-@draws(60, few=12)
+@draws(60)
 @given(seed=st.integers(0, 2**20), law=st.sampled_from(LAWS))
 def test_energy_and_momentum(name: str, seed: int, law: hl.Law) -> None:
     """The energies change by the work of walls and shear and by the heat, the momentum by what gravity, walls and
