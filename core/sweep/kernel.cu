@@ -129,8 +129,8 @@ struct Drop {
     }
 };
 
-// A drop in shared memory, with an odd number of words of eight bytes: the places of a half warp then begin in different
-// pairs of banks. With the 24 words of a drop they would begin in two of the sixteen pairs.
+// A drop in shared memory, with an odd number of words of eight bytes: the places of a half warp then begin in
+// different pairs of banks. With the 24 words of a drop they would begin in two of the sixteen pairs.
 struct Slot {
     Drop drop;
     u64 unused;
