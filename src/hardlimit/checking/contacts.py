@@ -381,8 +381,8 @@ def _with_friction(
     law, phi, speed = case.friction, gas.packing_fraction, gas.mean_speed or 1.0
     if gas.quantity != "cooling" or not law.coefficient or law.terms is None or phi is None:
         return {}
-    if len(gas.frictions) > 1:
-        return {}
+    if len(gas.frictions) > 1 or bodies[0].inertia_factor != bodies[1].inertia_factor:
+        return {}  # not known of mixtures
     own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, speed), speed)
     depth = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0).compression
     grains = rubbing(own.terms, friction.ratios(own, depth), bodies[0].inertia_factor)
