@@ -224,8 +224,8 @@ class ErrorLaw:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
         T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
-        leaves no kinetic energy, and with friction, for which it was not measured. :doc:`/driven_gases` derives it and
-        :doc:`/results` measures it.
+        leaves no kinetic energy, and with friction, for which there are measurements only. :doc:`/driven_gases`
+        has these and derives the error of smooth particles, :doc:`/results` measures it.
 
         Notes
         -----
