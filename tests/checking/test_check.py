@@ -1335,7 +1335,7 @@ def test_friction_in_words_and_numbers():
     """What of the answer stands without friction, and what still decides with it."""
     rough = with_friction("linear", 0.3, 0.0, 1e4, 0.7)
     verdict = hl.check(rough, speed=0.5, packing_fraction=0.2)
-    assert verdict.admissible is False and verdict.sentence.startswith("No: event-driven cools 2.0 ± ")
+    assert verdict.admissible is False and verdict.sentence.startswith("No: event-driven cools 2.3 ± ")
     assert "the same friction (rule law or constant with μ 0.3 and β0 0.2" in verdict.sentence
     assert "without, it cools about 32 % too slowly" in verdict.sentence
     row = verdict.to_dict()["contacts"][0]

@@ -134,6 +134,17 @@ def test_systems_have_the_spins_of_their_grains() -> None:
     assert [ball.radius for ball in ends] == [1e-3, 2e-3]
 
 
+def test_the_error_is_not_known_of_grains_that_spin_differently() -> None:
+    law = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
+    places = np.stack(np.meshgrid(*[[0.005, 0.015]] * 3), axis=-1).reshape(-1, 3)
+    grains = {"radius": 1e-3, "density": 2500.0, "box": 0.02}
+    speeds = np.tile([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]], (4, 1))
+    for factors, known in ((0.4, True), (0.6, True), ([0.4, 0.6] * 4, False)):
+        system = hl.ParticleSystem(places, speeds, inertia_factor=factors, **grains)
+        rows = hl.check(system, law=law).rows
+        assert all(("law" in row.error) is known for row in rows), factors
+
+
 def test_what_is_not_known_is_left_out() -> None:
     """Numbers that do not depend on the unknown sizes stay."""
     assert (

@@ -63,7 +63,9 @@ def test_a_small_grid_from_runs_to_figures(study, tmp_path, monkeypatch, capsys)
     assert "| 0.2 | 0.9 |" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["heated_gas", "sheared_gas", "flow_map", "shaken_column"])
+@pytest.mark.parametrize(
+    "name", ["heated_gas", "sheared_gas", "driven_friction", "flow_map", "shaken_column"]
+)
 def test_a_run_is_collected_at_its_point(name: str, study, tmp_path, monkeypatch) -> None:
     """Each run gives its number; one that holds for all levels of an axis stands at each of them."""
     script, driver = study(name), study("driver")
@@ -312,3 +314,12 @@ def test_the_relation_for_ice_is_told_from_the_law(study) -> None:
     relation = 0.32 * fast**-0.234
     above = hl.fit(hl.Impacts.of_restitution(1e-2 * fast, relation, 0.02), "viscoelastic")
     assert np.max(np.abs(above.contact.restitution(1e-2 * fast) - relation)) == pytest.approx(0.022, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_driven_grains_that_rub_are_drawn_from_the_data(study) -> None:
+    script = study("driven_friction")
+    ds = xr.load_dataset(script.STUDY.data)
+    (figure,) = script.draw(ds).values()
+    assert_legible(figure)
+    assert np.isfinite(ds["dissipation"]).all() and script.tables(ds).count("\n") == 1 + len(script.CASES)

@@ -224,8 +224,8 @@ class ErrorLaw:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
         T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
-        leaves no kinetic energy, and with friction, for which it was not measured. :doc:`/driven_gases` derives it and
-        :doc:`/results` measures it.
+        leaves no kinetic energy, and with friction, for which there are measurements only. :doc:`/driven_gases`
+        has these and derives the error of smooth particles, :doc:`/results` measures it.
 
         Notes
         -----
@@ -415,9 +415,9 @@ def error_law(
     ErrorLaw
         Outside the range of the measurements its text and ``extrapolated`` say so, and its error is larger. They are
         0.02 ≤ φ ≤ 0.5, ε ≥ 0.4 for spheres and 0.05 ≤ φ ≤ 0.7, ε ≥ 0.6 for disks with linear springs; 0.05 ≤ φ ≤ 0.5,
-        ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts; with friction 0.05 ≤ φ ≤ 0.5,
-        0.7 ≤ ε ≤ 0.95, μ ≤ 1, 1 ≤ (m_n/m_t) k_t/k_n ≤ 3.5, and γ_t up to γ_n, with linear springs; with Hertz' laws and
-        Mindlin's springs, one point.
+        ε ≥ 0.6 and 0.4 ≤ φ ≤ 0.6, ε ≥ 0.8 for Tsuji's and viscoelastic contacts; with friction 0.02 ≤ φ ≤ 0.5,
+        0.7 ≤ ε ≤ 0.99, μ ≤ 1, 1 ≤ (m_n/m_t) k_t/k_n ≤ 3.5, and γ_t up to γ_n, with linear springs; with Hertz' laws and
+        Mindlin's springs, three points.
 
     Raises
     ------
@@ -481,9 +481,10 @@ def with_friction(
     third = frictional_error.third_particles(dim, smooth.packing_fraction, terms.spring)
     stored = (1.0 + (law.damping + 1.0) / law.energy) / law.energy
     energy = terms.energy - (stored - delayed * x) / dim
-    turn = terms.turn - (dim - 1) * law.mean_compression
-    change = weak * law.mean_duration * _correlations(smooth) * (energy + turn / gas.density - third)
-    bar = weak * frictional_error.bar(x, turn / gas.density, third)
+    turn = (terms.turn - (dim - 1) * law.mean_compression) / gas.density
+    pressure = gas.slope * (terms.pressure + law.mean_compression) / gas.density
+    change = weak * law.mean_duration * _correlations(smooth) * (energy + turn + pressure - third)
+    bar = weak * frictional_error.bar(x, turn, pressure, third)
     outside = setting.outside()
     wider = 1.0 + setting.distance()
     constant = smooth.rule == "constant"

@@ -1,9 +1,10 @@
 """Theory of the law of the error with friction: what friction adds to the coefficient a of smooth particles.
 
 Both gases, of hard spheres and under Newton's equations, are followed by the balance of the energies of translation and
-rotation, from equal spins to the end of the measured window. Under Newton's equations three things differ, to first
-order in t_c ν: contacts store energy in both springs, they turn while they last, and the temperature ratio θ = T_r/T
-follows its own path. The turn is a quadrature over isolated contacts. docs/error_law.md compares with measurements.
+rotation, from equal spins to the end of the measured window. Under Newton's equations four things differ, to first
+order in t_c ν: contacts store energy in both springs, they turn while they last, neighbours press them together, and
+the temperature ratio θ = T_r/T follows its own path. Turn and pressure are quadratures over isolated contacts.
+docs/error_law.md compares with measurements.
 
 Units: radii 1, speeds √T(0), ν(0) = 1 for the balance.
 """
@@ -23,7 +24,7 @@ import numpy as np
 from .. import _core
 from ..contact.balls import Ball
 from ..contact.contact import Contact, Law
-from ..contact.friction import SPRING, Friction
+from ..contact.friction import LIMITS, SPRING, Friction, FrictionTerms
 from ..contact.laws import LinearDashpot, Tsuji, Viscoelastic
 from ..support import validation
 from .box import Floats
@@ -42,6 +43,10 @@ FLAT: Final = 1e7
 TURNING: Final = MappingProxyType({True: 2048, False: 512})
 STORING: Final = MappingProxyType({True: 256, False: 64})
 INSTANTS: Final = 16
+#: Contacts of the quadrature over those that neighbours press together, steps in each, and s w/d in it.
+PRESSED: Final = 512
+PRESSED_STEPS: Final = 200
+PRESSURE: Final = 0.01
 #: Temperature ratios at which the exchange of energy is tabulated.
 RATIOS: Final = np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.2, 1.8, 2.7, 4.0, 7.0, 12.0])
 #: Smallest distance of the temperature ratios between which a line is drawn.
@@ -61,16 +66,16 @@ LAWS: Final[Mapping[tuple[int, int], Callable[..., Law]]] = MappingProxyType(
         (6, 2): partial(Viscoelastic, **MATERIAL, impact_speed=IMPACT_SPEED),
     }
 )
-#: By dimension − 2: coefficients b0 and b1 of the effect of third particles, (b0 + b1 φ) S², where S is the mean energy
+#: By dimension − 2: coefficients b0 and b1 of the effect of third particles, (b0 + b1 φ) S, where S is the mean energy
 #: in the tangential spring over the loss of a collision. A fit to the measurement.
-THIRD: Final = ((0.5, 1.0), (0.45, 0.8))
+THIRD: Final = ((1.0, 0.65), (0.78, 0.37))
 #: Ranges in which the law was measured.
 MEASURED: Final = MappingProxyType(
     {
         "μ": (0.0, 1.0),
         "(m_n/m_t) k_t/k_n": (1.0, 3.5),
         "γ_t/γ_n": (0.0, 1.0),
-        "ε": (0.7, 0.95),
+        "ε": (0.7, 0.99),
     }
 )
 #: Relative distance from these ranges that counts as none.
@@ -122,7 +127,7 @@ class Setting(NamedTuple):
             f"{name} = {value:.3g} is outside the measured range {low:g} to {high:g}"
             for name, value, low, high in self._beyond()
         ]
-        hertz = ["Hertz' laws with friction were measured at one point only"] * (self.powers != LINEAR)
+        hertz = ["Hertz' laws with friction were measured at three points only"] * (self.powers != LINEAR)
         return " and ".join(hertz + ranges)
 
     def distance(self) -> float:
@@ -174,16 +179,19 @@ def friction_of(law: Law | None, friction: Friction | None) -> Friction | None:
 def third_particles(dimension: int, phi: float, spring: float) -> float:
     """By how much third particles reduce a: they release tangential springs before these give their energy back."""
     b0, b1 = THIRD[dimension - 2]
-    return (b0 + b1 * phi) * spring**2
+    return (b0 + b1 * phi) * spring
 
 
-def bar(x: float, turn: float, third: float) -> float:
+def bar(x: float, turn: float, pressure: float, third: float) -> float:
     """Standard error of the change of a by friction, from the residuals of the measurement; x = 1 − ε²."""
-    return math.hypot(0.03 + 0.08 * x, 0.05 * turn, 0.25 * third)
+    return math.hypot(0.02 + 0.04 * x, 0.05 * turn, 0.1 * pressure, 0.1 * third)
 
 
 class Turned(NamedTuple):
-    """Changes of a collision by its turn over w/d and the loss: of the loss, and minus that of the gain of rotation."""
+    """Changes of a collision by its turn over w/d and the loss: of the loss, and minus that of the gain of rotation.
+
+    By pressure of the neighbours: the same over s w/d.
+    """
 
     loss: float = 0.0
     exchange: float = 0.0
@@ -251,6 +259,70 @@ def turned_at(contact: Contact, theta: float, dimension: int) -> Turned:
             row += (0.25 * mass * float(after @ after - v @ v) + spun, spun)
     by_turn = (changes[0] - changes[1]) / (SIZE * changes[1, 0])
     return Turned(*by_turn.tolist())
+
+
+def pressed_at(contact: Contact, theta: float, dimension: int) -> Turned:
+    """Quadrature of contacts of a fixed normal at T = 1 that neighbours press together, by the mean force m T s/d."""
+    velocities, spins = impacts(PRESSED, theta, contact.ball.inertia_factor, dimension)
+    spinning = np.stack([-spins[:, 1], spins[:, 0]], axis=1)
+    surface = velocities[:, :2] + spinning
+    slide = np.linalg.norm(surface, axis=1)
+    along = np.sum(spinning * surface, axis=1) / slide
+    mass, tangential = contact.effective_mass, contact.tangential_mass
+    push = PRESSURE * contact.ball.mass / mass * math.sqrt(math.pi) / mean_duration(contact)
+    losses = []  # of all energy and of rotation
+    for acceleration in (0.0, push):
+        normal, end = pressed_contacts(contact, -velocities[:, 2], slide, acceleration)
+        impulse = tangential * (slide - end)
+        rotation = impulse * along - 0.5 * impulse**2 * (1.0 / tangential - 1.0 / mass)
+        losses.append([np.mean(normal + 0.5 * tangential * (slide**2 - end**2)), rotation.mean()])
+    before, after = np.array(losses)
+    return Turned(*((after - before) / (PRESSURE * before[0])).tolist())
+
+
+def pressed_contacts(contact: Contact, speed: Floats, slide: Floats, push: float) -> tuple[Floats, Floats]:
+    """Energy that contacts lose by normal damping, and tangential velocity at their end.
+
+    ``speed``, ``slide``: normal and tangential velocity at touch. ``push``: acceleration by neighbours. Steps are those
+    of the midpoint rule, halved where they pass the end; tangential forces are taken in their middle.
+    """
+    friction = contact.friction_terms
+    assert friction is not None
+    mass, step = contact.effective_mass, contact.duration(speed) / PRESSED_STEPS
+    depth, rate, lost, elastic = 1e-9 * step * speed, speed, np.zeros_like(speed), np.zeros_like(speed)
+    first = contact.force(depth, rate)
+    for _ in range(PRESSED_STEPS + PRESSED_STEPS // 4):  # pressed contacts last longer
+        half = rate + 0.5 * step * (push - first / mass)
+        middle = np.maximum(depth + 0.5 * step * rate, 0.0)
+        force = contact.force(middle, half)
+        further, slower = np.maximum(depth + step * half, 0.0), rate + step * (push - force / mass)
+        last = contact.force(further, slower)
+        lasts = last > 0.0
+        move, step = np.where(lasts, step, 0.0), np.where(lasts, step, 0.5 * step)
+        lost = lost + move * half * (force - contact.force(middle))
+        shrinking = np.where(rate > 0.0, friction.loading, friction.unloading)
+        shrunk = np.where(lasts, further / depth, 1.0) ** (0.5 * shrinking)
+        depth, rate, first = (
+            np.where(lasts, new, old) for new, old in ((further, depth), (slower, rate), (last, first))
+        )
+        stiffness = friction.stiffness * middle ** (0.25 * friction.stiffness_power)
+        damping = friction.damping * middle ** (0.25 * friction.damping_power)
+        trial = elastic * shrunk + stiffness * move * slide
+        slide, spring = _rubbed(friction, force, trial, damping, slide, move / contact.tangential_mass)
+        elastic = np.where(lasts, spring, elastic)
+    return lost + contact.energy(depth), slide
+
+
+def _rubbed(
+    friction: FrictionTerms, force: Floats, elastic: Floats, damping: Floats, slide: Floats, step: Floats
+) -> tuple[Floats, Floats]:
+    """Tangential velocity and elastic force after a step within Coulomb's limit; ``step``: over the tangential mass."""
+    limit, total = friction.coefficient * force, elastic + damping * slide
+    if LIMITS[friction.limit] == "total":
+        inside = np.clip(total, -limit, limit)
+        return slide - step * inside, np.where(np.abs(total) > limit, inside - damping * slide, elastic)
+    inside = np.clip(elastic, -limit, limit)
+    return slide - step * np.where(np.abs(elastic) > limit, inside, total), inside
 
 
 def stored(contact: Contact, theta: float, dimension: int) -> Stored:
@@ -366,11 +438,12 @@ def _step(derivatives: Callable[[float, Floats], Floats], x: float, y: Floats, s
     return y + step / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
 
 
-class FrictionTerms(NamedTuple):
+class CoefficientTerms(NamedTuple):
     """What friction makes of the coefficient a; made by :func:`terms`."""
 
     energy: float  #: a by the energy in contacts and their delay
     turn: float  #: a D 2^D φ χ by the turn of contacts
+    pressure: float  #: a D 2^D φ χ/s by the pressure of neighbours
     spring: float  #: mean energy in tangential springs over the loss of a collision
     temperature_ratio: float  #: mean θ in the window
     offset: float  #: error of the rule constant with β0 of the law that does not vanish with t_c ν; NaN if it has no β0
@@ -396,7 +469,7 @@ def _balance(setting: Setting, exponent: float) -> tuple[Gas, Balance]:
 
 
 @lru_cache(maxsize=512)
-def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms:
+def terms(setting: Setting, q: float, c: float, delayed: float) -> CoefficientTerms:
     """The terms of equal grains with friction.
 
     ``q``, ``c``: exponents of the law. ``delayed``: b in the term −b (1 − ε²)/D of smooth particles, by which contacts
@@ -414,12 +487,13 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms
     if abs(mean - theta) < APART:
         ratios = theta, theta + APART
     turned = turned_at(contact, ratios[0], dimension), turned_at(contact, ratios[1], dimension)
+    pressed = pressed_at(contact, ratios[0], dimension), pressed_at(contact, ratios[1], dimension)
     # The energy in tangential springs comes from both motions, in proportion to their shares of g_t².
     share = mean / (ball.inertia_factor + mean)
     tangential = springs.tangential / (springs.normal * q)
     late = delayed / exponent
     translation = (1.0 / q + (1.0 - share) * tangential + late * (loss - gain)) / dimension
-    rotation = (share * tangential + late * gain) / (axes * mean) if mean > 0.0 else 0.0
+    rotation = share * tangential / (axes * mean) if mean > 0.0 else 0.0
 
     def slower(changes: Changes) -> float:
         duration = balance.through(theta, energies, SMALL, changes).duration
@@ -430,9 +504,10 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> FrictionTerms
     if not math.isnan(beta):
         rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
         offset = hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0
-    return FrictionTerms(
+    return CoefficientTerms(
         energy=slower(Changes(translation=-translation, rotation=-rotation)),
         turn=slower(Changes(ratios=ratios, turned=turned)),
+        pressure=slower(Changes(ratios=ratios, turned=pressed)),
         spring=springs.tangential / -loss,
         temperature_ratio=mean,
         offset=offset,

@@ -232,8 +232,12 @@ def _examined(
     depend on the speed if there is none.
     """
     share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
+    between = [case for case in contacts if case.second is not None]
+    bodies = [body for case in between for body in (case.first, case.second) if body and not body.fixed]
     gas = replace(
-        gas, frictions=tuple({case.friction.coefficient for case in contacts if case.second is not None})
+        gas,
+        frictions=tuple({case.friction.coefficient for case in between}),
+        inertia_factors=tuple({body.inertia_factor for body in bodies}),
     )
     rows = []
     for case in contacts:

@@ -76,6 +76,7 @@ class Surroundings:
     frictions: tuple[float | None, ...] = (
         0.0,
     )  #: the coefficients of friction between its grains; None: not known
+    inertia_factors: tuple[float, ...] = ()  #: of its grains
 
     def collision_rate(self, speed: float, diameter: float) -> float:
         """Enskog's collision rate of one grain, where ``speed`` is the mean impact speed √(πT)."""
@@ -390,14 +391,15 @@ def _with_friction(
     tc_nu: float,
     wider: float,
 ) -> dict[str, Any]:
-    """The error of event-driven cooling with the friction of the grains, if all have the same; empty if not known.
+    """The error of event-driven cooling with the friction of the grains, if it and their inertia factors are the same;
+    empty if not known.
 
     ``wider``: a further relative error.
     """
     law, phi, speed = case.friction, gas.packing_fraction, gas.mean_speed or 1.0
     if gas.quantity != "cooling" or not law.coefficient or law.terms is None or phi is None:
         return {}
-    if len(gas.frictions) > 1:
+    if len(gas.frictions) > 1 or len(gas.inertia_factors) > 1:  # not known of mixtures
         return {}
     own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, speed), speed)
     depth = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0).compression

@@ -1,0 +1,248 @@
+"""Measurement of heated and sheared gases of grains that rub: hard spheres beside Newton's equations with the same
+friction (see driver.py).
+
+Heated: as heated_gas.py, at equal power, for 25 collisions of each particle before and 120 in the window. Sheared: as
+sheared_gas.py, at equal shear rate, for 60 collisions before and 200 in the window. Kicks act on velocities only; the
+spins start with the temperature that the theory of the rotating gas predicts for the heated one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, Final, NamedTuple
+
+import driven_gas
+import driver
+import numpy as np
+import xarray as xr
+from driven_gas import DENSITY, RADIUS, TEMPERATURE
+from heated_gas import KICKS
+from matplotlib.figure import Figure
+from sheared_gas import SIDES
+
+import hardlimit as hl
+from hardlimit.boxes import theory
+from hardlimit.fidelity_study.starts import equilibrated
+from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
+
+RESTITUTION: Final = 0.9
+KAPPA: Final = 3.5  #: m_n/m_t of solid spheres
+
+
+class Case(NamedTuple):
+    """A gas and its friction; t_c ν by Enskog's theory at the temperature that theory predicts."""
+
+    packing_fraction: float
+    mu: float
+    rho: float  #: κ k_t/k_n
+    tc_nu: float
+
+
+CASES: Final = {
+    "thin": Case(0.1, 0.5, 1.0, 0.1),
+    "dense": Case(0.3, 0.5, 1.0, 0.3),
+    "stiff": Case(0.3, 0.5, 2.88, 0.3),
+}
+#: Number of particles, and collisions per particle before and in the window.
+DRIVES: Final = {"heated": (1000, 25, 120), "sheared": (500, 60, 200)}
+SAMPLES: Final = 3  #: for each collision of a particle
+VALUES: Final = {
+    "temperature": "mean temperature over that of theory",
+    "temperature_ratio": "mean T_r/T",
+    "dissipation": "dissipation over T^(3/2), over ν N m T/2 by Enskog's theory",
+    "pressure": "pressure over nmT",
+    "supplied": "power of the kicks or of the shear stress over the dissipation",
+    "stress": "dissipation over that of theory: shear stress at a given shear rate",
+    "largest_compression": "largest compression of a contact over the radius",
+}
+
+
+def points(_: int) -> Iterator[driver.Point]:
+    for drive in DRIVES:
+        for case in CASES:
+            yield drive, case, "law"
+            yield drive, case, "newton"
+
+
+def friction_of(case: Case) -> hl.Friction:
+    return hl.Friction(case.mu, stiffness_ratio=case.rho / KAPPA)
+
+
+def rotating(gas: theory.Gas, case: Case) -> theory.RotatingGas:
+    law = hl.LinearDashpot(stiffness=1.0, restitution=RESTITUTION, friction=friction_of(case))
+    return gas.rotating(law=law)
+
+
+def run(point: driver.Point, replica: int) -> dict[str, float]:
+    """The values of one run; none if it ended early."""
+    drive, name, model = point
+    case, (n, before, window) = CASES[name], DRIVES[drive]
+    sides = SIDES if drive == "sheared" else "periodic"
+    speed = math.sqrt(3.0 * TEMPERATURE)
+    start = hl.ParticleSystem.random(
+        n, case.packing_fraction, RADIUS, DENSITY, speed, seed=replica, boundary=sides, rms_spin="equal"
+    )
+    gas = theory.Gas(n, RADIUS, float(start.mass[0]), start.domain.volume, 3)
+    spinning, nu = rotating(gas, case), float(gas.collision_rate(TEMPERATURE))
+    theta = spinning.heated_temperature_ratio()
+    unit = 0.5 * nu * float(start.mass.sum()) * TEMPERATURE
+    power = -spinning.mean_collision(theta).energy_change * unit
+    if drive == "sheared":  # smooth spheres that dissipate as much
+        smooth = math.sqrt(max(1.0 - power / unit, 0.25))
+        start = start.replace(shear_rate=math.sqrt(TEMPERATURE / gas.sheared_temperature(1.0, smooth)))
+    start = equilibrated(start, 1000 + replica, collisions=30)
+    assert start.angular_velocities is not None
+    start = start.replace(angular_velocities=math.sqrt(theta) * start.angular_velocities)
+    if drive == "heated":
+        start = start.replace(
+            thermostat=hl.RandomKicks(power, KICKS / nu, seed=10_000 * replica + 7 * len(model))
+        )
+    law = driven_gas.law(RESTITUTION, start, case.tc_nu / nu).replace(friction=friction_of(case))
+    options: dict[str, Any] = {"until": (before + window) / nu, "samples": SAMPLES * (before + window)}
+    if model == "newton":
+        result: Any = hl.molecular_dynamics(
+            start, law=law, engine="steps", restitution_error=1e-3, threads=1, **options
+        )
+    else:
+        result = hl.event_driven(start, law=law, **options)
+    if result.outcome != "ok":
+        return {}
+    return measured(result, drive, before, gas, unit, power)
+
+
+def measured(
+    result: Any, drive: str, before: int, gas: theory.Gas, unit: float, power: float
+) -> dict[str, float]:
+    """Means over the window."""
+    series = result.series.isel(time=slice(SAMPLES * before, None))
+    t = series.granular_temperature.values / TEMPERATURE
+    duration = float(series.time[-1] - series.time[0])
+    lost = float(series.dissipated_energy[-1] - series.dissipated_energy[0]) / duration
+    supplied = power
+    if drive == "sheared":
+        supplied = float(series.shear_work[-1] - series.shear_work[0]) / duration
+    ideal = gas.n * gas.mass / gas.volume * TEMPERATURE
+    return {
+        "temperature": float(t.mean()),
+        "temperature_ratio": float(
+            np.mean(series.rotational_temperature.values / series.granular_temperature.values)
+        ),
+        "dissipation": lost / float(np.mean(t**1.5)) / unit,
+        "pressure": float(series.pressure[1:].mean()) / (ideal * float(t.mean())),
+        "supplied": supplied / lost,
+        "stress": lost / power,
+        "largest_compression": float(getattr(result, "largest_compression", 0.0) or 0.0),
+    }
+
+
+# --- results ------------------------------------------------------------------------------------------------
+
+
+def scatter(ds: xr.Dataset, name: str) -> float:
+    """Relative standard deviation between replicas, of all points together: each has few."""
+    rows = ds[name].values.reshape(-1, ds.sizes["replica"])
+    rows = [row[np.isfinite(row)] for row in rows]
+    squares = sum(float(np.sum((row / row.mean() - 1.0) ** 2)) for row in rows if len(row) > 1)
+    return math.sqrt(squares / sum(len(row) - 1 for row in rows if len(row) > 1))
+
+
+def error(ds: xr.Dataset, drive: str, case: str, name: str, power: float = 1.0) -> tuple[float, float]:
+    """(Hard spheres over Newton's equations)^power, less 1, with its standard error."""
+    at = ds[name].sel(drive=drive, case=case)
+    hard, newton = (at.sel(model=model).dropna("replica").values for model in ("law", "newton"))
+    value = float(hard.mean() / newton.mean()) ** power
+    return value - 1.0, abs(power * value) * scatter(ds, name) * math.hypot(
+        len(hard) ** -0.5, len(newton) ** -0.5
+    )
+
+
+def errors(ds: xr.Dataset, case: str) -> dict[str, tuple[float, float]]:
+    """Heated: temperature at equal power, pressure at equal temperature. Sheared: temperature, stress, dissipation."""
+    return {
+        "heated: temperature": error(ds, "heated", case, "dissipation", -2.0 / 3.0),
+        "heated: pressure at equal T": error(ds, "heated", case, "pressure"),
+        "sheared: temperature": error(ds, "sheared", case, "temperature"),
+        "sheared: stress": error(ds, "sheared", case, "stress"),
+        "sheared: dissipation at equal T": error(ds, "sheared", case, "dissipation"),
+    }
+
+
+def smooth(ds: xr.Dataset, case: str) -> dict[str, float]:
+    """The law of smooth grains at the t_c ν of the same temperatures."""
+    law = hl.error_law(packing_fraction=CASES[case].packing_fraction, restitution=RESTITUTION)
+    heated, sheared = (
+        CASES[case].tc_nu
+        * math.sqrt(float(ds.temperature.sel(drive=drive, case=case, model="newton").mean()))
+        for drive in DRIVES
+    )
+    steady = law.sheared_errors(sheared)
+    return {
+        "heated: temperature": law.heated_error(heated),
+        "sheared: temperature": steady.temperature,
+        "sheared: stress": steady.stress,
+        "sheared: dissipation at equal T": (1.0 + law.heated_error(sheared)) ** -1.5 - 1.0,
+    }
+
+
+def tables(ds: xr.Dataset) -> str:
+    rows = []
+    for name, case in CASES.items():
+        measured, without = errors(ds, name), smooth(ds, name)
+        cells = [
+            driven_gas.percent(*measured[key], without[key], 1)
+            if key in without
+            else driven_gas.percent(*measured[key], math.nan, 1).partition(" /")[0]
+            for key in measured
+        ]
+        ratios = [
+            f"{float(ds.temperature_ratio.sel(drive=drive, case=name, model=model).mean()):.3f}"
+            for drive in DRIVES
+            for model in ("law", "newton")
+        ]
+        rows.append((*case, *cells, ", ".join(ratios[:2]), ", ".join(ratios[2:])))
+    head = "φ | μ | ρ | t_c ν | " + " | ".join(errors(ds, "dense"))
+    return driver.table(f"{head} | heated: θ hard, Newton | sheared: θ hard, Newton", rows)
+
+
+def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
+    colors = dict(zip(CASES, ("blue", "vermillion", "green"), strict=True))
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH, 3.4), layout="constrained")
+        ax = figure.subplots()
+        names = list(errors(ds, "dense"))
+        for k, (case, values) in enumerate(CASES.items()):
+            measured, without = errors(ds, case), smooth(ds, case)
+            place = -np.arange(len(names)) - 0.22 * (k - 1)
+            value, bar = 100.0 * np.array([measured[name] for name in names]).T
+            label = rf"φ = {values.packing_fraction:g}, ρ = {values.rho:g}, $t_c\nu$ = {values.tc_nu:g}"
+            color = PALETTE[colors[case]]
+            ax.errorbar(value, place, xerr=bar, fmt="o", ms=4, color=color, label=label)
+            known = [100.0 * without.get(name, math.nan) for name in names]
+            ax.plot(known, place, "o", ms=5, mfc="none", color=color)
+        ax.axvline(0.0, color="k", lw=0.6)
+        ax.set_yticks(-np.arange(len(names)), names)
+        ax.set(xlabel="error of hard spheres [%]")
+        ax.legend(loc="lower right")
+    return {"driven_friction.png": figure}
+
+
+STUDY = driver.Study(
+    file=__file__,
+    points=points,
+    run=run,
+    replicas=3,
+    values=driven_gas.meanings(VALUES),
+    axes=lambda: {"drive": list(DRIVES), "case": list(CASES), "model": ["law", "newton"]},
+    about={
+        "title": "Steady states of heated and sheared gases of grains with friction, hard and soft",
+        "restitution": RESTITUTION,
+        **driven_gas.ABOUT,
+    },
+    draw=draw,
+    tables=tables,
+    dpi=200,
+)
+
+if __name__ == "__main__":
+    driver.main(STUDY, __doc__)
