@@ -142,6 +142,7 @@ function drawLegend(
     drawCounts(g, f, Math.min(MOST_COUNTED, Math.max(greatest, 4)), greatest > MOST_COUNTED, top, size, theme);
     return;
   }
+  drawRatioName(g, f.left, top + height / 2, theme, size);
   setFont(g, theme, 0.95 * size);
   const width = Math.min(0.55 * f.width, 15 * size);
   for (let i = 0; i < width; i++) {
@@ -151,11 +152,29 @@ function drawLegend(
   g.fillStyle = theme.ink;
   g.textAlign = "left";
   g.fillText("0", f.left, top + height / 2);
-  g.fillText("1", f.left + width + 1.6 * size, top + height / 2);
+  const right = f.width > 34 * size ? "1: collisions are right" : "1";
+  g.fillText(right, f.left + width + 1.6 * size, top + height / 2);
+  const above = f.left + width + 2.8 * size + g.measureText(right).width;
   g.fillStyle = css(ratioColor(1.5));
-  g.fillRect(f.left + width + 3.4 * size, top, height, height);
+  g.fillRect(above, top, height, height);
   g.fillStyle = theme.ink;
-  g.fillText("above 1", f.left + width + 5.3 * size, top + height / 2);
+  g.fillText("above 1", above + 1.9 * size, top + height / 2);
+}
+
+// "ε_eff/ε" with a subscript, to the left of `right`.
+function drawRatioName(g: CanvasRenderingContext2D, right: number, middle: number, theme: Theme, size: number): void {
+  g.fillStyle = theme.ink;
+  g.textAlign = "right";
+  let at = right - 0.7 * size;
+  for (const [text, scale, drop] of [
+    ["/ε", 0.95, 0],
+    ["eff", 0.7, 0.3],
+    ["ε", 0.95, 0],
+  ] as const) {
+    setFont(g, theme, scale * size, 600);
+    g.fillText(text, at, middle + drop * size);
+    at -= g.measureText(text).width;
+  }
 }
 
 // The colour legend up to `last`; open: the last field also stands for larger counts.

@@ -8,7 +8,7 @@ import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
 import { nameOfBall } from "../scenario/measured";
 import { massOf, releaseHeight } from "../scenario/scenario";
-import { capital, independent, newton } from "../scenario/tables";
+import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
 export interface PredictionPicture {
@@ -57,11 +57,14 @@ export function drawPrediction(
   const lane = (w - left) / lanes;
   const columns: ["newton" | "icm", string, Balls][] = [
     ["newton", newton.label, t.newton],
-    ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm],
+    ["icm", lane > 16 * size ? `Textbook: ${independent.label}` : "Textbook", t.icm],
   ];
   const release = releaseHeight(t.drop.scenario);
   const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // the heights need the space
-  drawLevel(g, left, w, floor - release * scale, label, theme.muted, [2, 5], 1.5, size, theme, "left");
+  const level = floor - release * scale;
+  // A mark of a height, with its number above, would cross the label.
+  const crossed = t.reached.some((z) => Math.abs(floor - z * scale - level + 0.1 * size) < 1.7 * size);
+  drawLevel(g, left, w, level, label, theme.muted, [2, 5], 1.5, size, theme, "left", crossed);
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
     if (t.falling) {
@@ -72,7 +75,7 @@ export function drawPrediction(
       g.fillText(name, middle, floor + 1.3 * size);
     }
     const line = new Line(g, false, floor, middle);
-    line.balls(t.drop.scenario.balls, balls.position, scale, 0.25 * size, (i) =>
+    line.balls(t.drop.scenario.balls, balls.position, scale, 10, (i) =>
       model === "icm" ? outlined(theme, Math.max(3, size / 7)) : filled(theme, i, 1),
     );
     const z = t.reached[k];
@@ -198,6 +201,7 @@ function drawLevel(
   size: number,
   theme: Theme,
   align: "left" | "right",
+  below = false,
 ): void {
   g.strokeStyle = color;
   g.lineWidth = width * Math.max(1, size / 18);
@@ -206,6 +210,7 @@ function drawLevel(
   g.setLineDash([]);
   setFont(g, theme, width > 2 ? 1.2 * size : size, width > 2 ? 700 : 400);
   g.textAlign = align;
-  g.textBaseline = "bottom";
-  halo(g, text, align === "left" ? left + 8 : right - 8, Math.max(y - 4, 1.5 * size), color, theme);
+  g.textBaseline = below ? "top" : "bottom";
+  const edge = below ? y + 4 : Math.max(y - 4, 1.5 * size);
+  halo(g, text, align === "left" ? left + 8 : right - 8, edge, color, theme);
 }
