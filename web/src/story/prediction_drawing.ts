@@ -87,7 +87,9 @@ export function drawPrediction(
       setFont(g, theme, 1.5 * size, 700);
       g.textAlign = "center";
       g.textBaseline = "bottom";
-      const bottom = Math.max(y - 0.3 * size, 1.8 * size);
+      // Above the mark; below it where the line of the guess would cross the number.
+      const crossed = t.guess !== null && Math.abs(y - 0.9 * size - (floor - t.guess * scale)) < 1.2 * size;
+      const bottom = crossed ? y + 2.3 * size : Math.max(y - 0.3 * size, 1.8 * size);
       const wide = g.measureText(metres(z)).width + 0.6 * size; // covers the lines of the ruler behind the number
       g.fillStyle = theme.ground;
       g.fillRect(middle - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
@@ -101,12 +103,14 @@ export function drawPrediction(
     g.textBaseline = "middle";
     halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - promptHeight * scale, theme.ink, theme);
   }
-  if (t.guess !== null)
+  if (t.guess !== null) {
+    const level = floor - t.guess * scale;
+    const marked = t.falling && t.reached.some((z) => Math.abs(level - size - (floor - z * scale)) < 1.1 * size);
     drawLevel(
       g,
       left,
       w,
-      floor - t.guess * scale,
+      level,
       `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`,
       theme.ink,
       [],
@@ -114,7 +118,9 @@ export function drawPrediction(
       size,
       theme,
       "right",
+      marked,
     );
+  }
   return { floor, scale, left, right: w, promptHeight };
 }
 
