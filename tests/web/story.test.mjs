@@ -422,10 +422,10 @@ test("from the story: one panel, and the laboratory from there", async (t) => {
   const page = await open(t, "?page=story");
   await page.waitForFunction(() => document.getElementById("map-show").value === "effective"); // chapter 6 is prepared
   await page.click("#enlarge");
-  assert.match(page.url(), /\?t=[\d.]+&panel=film$/); // reduced motion: the film stands
+  assert.match(page.url(), /\?(t=[\d.]+&)?panel=film$/); // reduced motion: the film stands
   assert.ok((await page.locator("#film").boundingBox()).width > 1300);
   await page.click("#panel-leave");
-  assert.match(page.url(), /\?t=[\d.]+&page=lab$/);
+  assert.match(page.url(), /\?(t=[\d.]+&)?page=lab$/);
   assert.equal(await page.inputValue("#map-show"), "count");
 });
 
@@ -490,9 +490,9 @@ test("rebound heights over the gap are Python's, and a place in the plot chooses
     told.map(([x, unit]) => Number(x) * metre[unit]),
   );
   told.forEach(([, , newton, icm], i) => {
-    // The gap has three digits.
+    // The gap and the heights have three digits.
     assert.ok(Math.abs(Number(newton) / python[i][0] - 1) < 0.02, `${seen[i]}, Python ${python[i]}`);
-    assert.ok(Math.abs(Number(icm) / python[i][1] - 1) < 0.003, `${seen[i]}, Python ${python[i]}`);
+    assert.ok(Math.abs(Number(icm) / python[i][1] - 1) < 0.006, `${seen[i]}, Python ${python[i]}`);
   });
   await page.mouse.click(box.x + 0.85 * box.width, box.y + 0.5 * box.height);
   await page.waitForFunction(() => document.getElementById("gap1-value").value !== "touching");
