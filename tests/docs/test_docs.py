@@ -16,6 +16,8 @@ from pathlib import Path
 import pytest
 
 from conftest import TWO_BALL_TABLES, columns_json, table
+from hardlimit import Column
+from hardlimit.column.files import read
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
@@ -164,6 +166,17 @@ def test_validation_names_tests_and_counts_rows_that_exist() -> None:
     assert f"{len(columns_json())} reference columns" in text
     assert f"{rows['cradle']} reference rows" in text and f"{stacks} reference rows" in text
     assert f"{len(table('code_restitution'))} runs are data" in text
+
+
+def test_the_first_lesson_and_the_example_have_the_same_balls() -> None:
+    cells = blocks(DOCS / "notebooks" / "tennis_ball_on_basketball.md", r"\{code-cell\} ipython3")
+    names: dict[str, object] = {}
+    for cell in cells[:2]:
+        exec(cell.replace("%matplotlib inline", ""), names)
+    column = names["column"]
+    assert isinstance(column, Column)
+    example = read(str(DOCS.parent / "examples" / "basketball_and_tennis_ball.toml"))
+    assert column.replace(height=round(column.height, 6)) == example
 
 
 def test_a_map_of_the_explorer_has_the_axes_that_the_page_says() -> None:

@@ -54,7 +54,7 @@ const colours = (page, id) =>
 
 test("the story is scrolled with the keys, and its pictures are drawn", async (t) => {
   const page = await firefox.open(t, "?page=story");
-  for (const step of ["watch", "predict", "slow", "count", "gap", "map"]) {
+  for (const step of ["predict", "watch", "slow", "count", "gap", "map"]) {
     await page.evaluate((step) => document.querySelector(`.chapter[data-step="${step}"]`).scrollIntoView(), step);
     await page.waitForFunction(
       (step) => document.querySelector("#chapters [aria-current]").dataset.step === step,
@@ -76,7 +76,10 @@ test("the story is scrolled with the keys, and its pictures are drawn", async (t
   }
   await accessible(page, "the story");
   await page.keyboard.press("Home");
-  await page.waitForFunction(() => scrollY === 0);
+  await page.waitForFunction(
+    () =>
+      scrollY === 0 && window.hardlimit.report().step === "predict" && window.hardlimit.report().setting.gaps[0] === 0,
+  );
   await page.focus("#duel-box .handle[aria-label^=Gap]");
   await page.keyboard.press("ArrowUp");
   await page.waitForFunction(() => window.hardlimit.report().current && window.hardlimit.report().setting.gaps[0] > 0);

@@ -127,7 +127,7 @@ test("the balls are drawn before any text, from the answer of the worker that ha
     };
   });
   for (const [query, canvas, restitution, tolerance] of [
-    ["", "duel", 0.76, 0.01],
+    ["", "prediction", 0.76, 0.01],
     ["?page=lab&e=0.5&tol=0.02", "stage", 0.5, 0.02],
     ["?story=map&example=fig2&e=0.6", "duel", 0.6, 0.01],
   ]) {

@@ -43,7 +43,7 @@ test("the first picture", async (t) => {
 
 for (const [name, query] of [
   ["the film", "?example=fig2"],
-  ["the first chapter's film", "?page=story&example=fig2"],
+  ["the second chapter's film", "?story=watch&example=fig2"],
 ])
   test(name, async (t) => {
     const page = await open(t, query, { reducedMotion: "no-preference" });
@@ -134,8 +134,8 @@ test("quick enough: slider and map", async (t) => {
   }
 });
 
-test("the slider of the first chapter", async (t) => {
-  const page = await open(t, "?page=story");
+test("the slider of the second chapter", async (t) => {
+  const page = await open(t, "?story=watch");
   const steps = 60;
   const cost = await costOf(page, () =>
     page.evaluate(async (steps) => {

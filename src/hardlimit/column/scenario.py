@@ -60,12 +60,15 @@ class Column:
 
     Examples
     --------
-    >>> basketball, tennis_ball = hl.Ball(0.12, mass=0.62), hl.Ball(0.033, mass=0.058)
-    >>> law = hl.LinearDashpot(stiffness=2e4, restitution=0.8)
-    >>> drop = hl.Column([basketball, tennis_ball], gaps=0.01, height=1.12, law=law)
+    >>> basketball = hl.Ball(0.1217, mass=0.609)
+    >>> tennis_ball = hl.Ball(0.0335, mass=0.0577)
+    >>> floor = hl.LinearDashpot(stiffness=4.2e4, restitution=0.76)
+    >>> between = hl.LinearDashpot(stiffness=1.36e4, restitution=0.76)
+    >>> balls = [basketball, tennis_ball]
+    >>> drop = hl.Column(balls, gaps=0.0, height=0.4217, law=[floor, between])
     >>> moon = drop.replace(gravity=1.62)
     >>> f"{drop.impact_speed:.2f} m/s, on the Moon {moon.impact_speed:.2f} m/s"
-    '4.43 m/s, on the Moon 1.80 m/s'
+    '2.43 m/s, on the Moon 0.99 m/s'
     """
 
     balls: tuple[Ball, ...]  #: bottom first

@@ -17,7 +17,7 @@ import { fillDefinitions, fillEnergy, fillTable } from "../views/numbers";
 import { ForcesPanel, TimelinePanel } from "../views/panels";
 import { Desk, piece, Pool } from "../core/pool";
 import { presets, type Preset } from "../scenario/presets";
-import { copyOf } from "../scenario/scenario";
+import { copyOf, type Scenario } from "../scenario/scenario";
 import { settingOf } from "../scenario/link";
 import { listenMenu } from "./menu";
 import { Past } from "../state/past";
@@ -90,7 +90,7 @@ class Page {
       this.map,
       this.pool,
       moves,
-      (id) => this.load(presets.find((p) => p.id === id)!),
+      (scenario) => this.put(scenario),
       resized,
     );
     find("notes")
@@ -183,6 +183,14 @@ class Page {
     this.choosePreset(preset.id);
     state.revision++;
     this.film.play(moves());
+  }
+
+  // A chapter of the story changes the balls.
+  private put(scenario: Scenario): void {
+    this.state.scenario = scenario;
+    this.past.settle(scenario);
+    this.findPreset();
+    this.state.revision++;
   }
 
   private undo(): void {

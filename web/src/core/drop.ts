@@ -2,7 +2,9 @@
 // plain data; Drop adds derived values.
 import { Clock, windowsOf, type Window } from "./clock";
 import { Model, failures, type Comparison, type Contact, type Core, type Run, type State } from "./core";
+import { loneBall, type LoneBall } from "./lone_ball";
 import { Motion, type Samples } from "./motion";
+import { bandOf } from "./rises";
 import { GRAVITY, type Scenario } from "../scenario/scenario";
 import { usualTolerance } from "../scenario/tolerance";
 import { independent as independentNames, newton as newtonNames } from "../scenario/tables";
@@ -33,6 +35,8 @@ export interface Solved {
   forces: Float64Array[]; // [pair][time]
   peakForce: number[]; // [pair]
   compression: number[]; // [pair] largest [m]
+  lone: LoneBall | null; // the lowest ball without the others; null: it stays on the floor, or there is none
+  band: [number, number] | null; // Newton's heights of the top ball for half and twice the stiffness, if unmeasured
   bottom: number; // extent of the true-scale picture along the line [m]
   top: number;
 }
@@ -142,6 +146,8 @@ export function solve(
   const begin = performance.now();
   const later = (what: string, share: number, known: Answered | null): void =>
     void (performance.now() - begin > quick && report(what, share, known));
+  const lone = loneBall(core, scenario); // first, because the core keeps the last runs
+  const band = bandOf(core, scenario);
   core.set(scenario);
   const newton = sequence(core, Model.newton);
   const known = newton && { scenario, newton, icm: null, comparison: null };
@@ -178,6 +184,8 @@ export function solve(
     forces: [],
     peakForce: [],
     compression: [],
+    lone,
+    band,
     bottom: 0,
     top: 0,
   };

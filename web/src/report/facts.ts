@@ -124,6 +124,8 @@ export interface StoryFacts {
   // Newton's height at gap 0, the greatest height, and its gap; null: not known.
   gaps: { touching: number; best: number; at: number } | null;
   trusted: Trusted | null; // null: not computed
+  lent: boolean; // the chapter has balls of its own
+  back: boolean; // the chapter before had
 }
 
 export const cradle = (t: StoryFacts): boolean => t.drop.scenario.cradle;

@@ -2,6 +2,7 @@
 // numbers. The verdict has the words of hl.compare(column).verdict; its answer and numbers come from the core.
 import type { Track } from "../core/drop";
 import type { Step } from "../scenario/story_view";
+import { constantsOf } from "../scenario/scenario";
 import { capital, independent } from "../scenario/tables";
 import { inPercent } from "../scenario/tolerance";
 import { digits, lengths, metres, withUnit } from "../support/format";
@@ -492,32 +493,53 @@ const newtonRises = (t: StoryFacts): string => `By Newton’s equations the ${to
 const newtonLeaves = (t: StoryFacts): string => `By Newton’s equations the last ball leaves with ${speed(newton(t))}`;
 const agreement = (t: StoryFacts): string => inPercent(t.report.tolerance);
 const has = (x: number): boolean => Number.isFinite(x);
+const gapInWords = (gap: number): string => (gap === 0 ? "touching" : `${withUnit(gap, "m")} apart`);
 
 // Heights that agree are followed by the verdict, unless it goes without saying.
 const doubted = ({ report: { verdict } }: StoryFacts): boolean => verdict !== null && verdict.answer !== "yes";
 const apart = (t: StoryFacts): string => (doubted(t) ? " The velocities are judged apart." : "");
 
-const watch: Row<StoryFacts>[] = [
+// Said where a chapter has other balls than the one before.
+const otherBalls: Row<StoryFacts>[] = [
   [
-    "watch-cradle",
-    cradle,
-    (t) => `${newtonLeaves(t)}, by one collision after the other with ${speed(icm(t))}.`,
-    bothValues,
+    "balls-lent",
+    (t) => t.lent,
+    ({ drop: { scenario } }) => {
+      const [lower, upper] = scenario.balls.map((b) => withUnit(b.radius, "m"));
+      const gap = gapInWords(scenario.gaps[0]);
+      return `For this chapter the balls change: hard ones, with radii of ${lower} and ${upper}, let go ${gap}.`;
+    },
+    ({ drop: { scenario } }) => ({
+      lower: scenario.balls[0].radius,
+      upper: scenario.balls[1].radius,
+      gap: scenario.gaps[0],
+    }),
   ],
+  ["balls-back", (t) => t.back, (t) => `The ${lowName(t)} and the ${topName(t)} are back.`],
+];
+
+const worlds: Row<StoryFacts>[] = [
+  [
+    "worlds",
+    always,
+    () =>
+      "Newton’s equations: balls that touch push each other, as springs do, for as long as they touch. " +
+      "The textbook’s collision model, independent collisions (ICM): each collision is over in an instant, " +
+      "one after the other.",
+  ],
+];
+
+const watch: Row<StoryFacts>[] = [
+  ["watch-cradle", cradle, (t) => `${newtonLeaves(t)}, in the textbook with ${speed(icm(t))}.`, bothValues],
   [
     "watch-agree",
     agree,
     (t) =>
-      `The ${topName(t)} rises to ${metres(newton(t))}, and one collision after the other says the same to ` +
+      `The ${topName(t)} rises to ${metres(newton(t))}, and the textbook says the same to ` +
       `${agreement(t)}.${apart(t)}`,
     bothValues,
   ],
-  [
-    "watch-differ",
-    always,
-    (t) => `${newtonRises(t)}; the textbook, one collision after the other, promises ${metres(icm(t))}.`,
-    bothValues,
-  ],
+  ["watch-differ", always, (t) => `${newtonRises(t)}; the textbook promises ${metres(icm(t))}.`, bothValues],
 ];
 
 const before = (t: StoryFacts): boolean => t.fall === "before";
@@ -528,8 +550,7 @@ const predicted = (t: StoryFacts): string => {
   if (t.guess === null) return "";
   return ` You said ${withUnit(t.guess, "m", 2)}${Math.abs(t.guess / newton(t) - 1) < 0.1 ? ": well guessed!" : "."}`;
 };
-const rose = (t: StoryFacts): string =>
-  `The ${topName(t)} rises to ${metres(newton(t))}, ${comparedWithRelease(t)}.${predicted(t)}`;
+const rose = (t: StoryFacts): string => `${newtonRises(t)}, ${comparedWithRelease(t)}.${predicted(t)}`;
 const column = (t: StoryFacts): string =>
   count(t) === 2 && topName(t) !== "top ball" && lowName(t) !== "lowest ball"
     ? `A ${topName(t)} above a ${lowName(t)}: both`
@@ -560,14 +581,116 @@ const predict: Row<StoryFacts>[] = [
       `${speed(icm(t))}.`,
     bothValues,
   ],
-  ["drop-wait", falling, () => "Watch the ruler …"],
+  ["drop-wait", falling, () => "Watch the ruler: once by Newton’s equations, once as the textbook has it …"],
   [
     "drop-agree",
     agree,
-    (t) => `${rose(t)} ${textbook}agrees to ${agreement(t)}: ${metres(icm(t))}.${apart(t)}`,
+    (t) => `${rose(t)} ${textbook}says the same to ${agreement(t)}: ${metres(icm(t))}.${apart(t)}`,
     bothValues,
   ],
   ["drop-differ", always, (t) => `${rose(t)} ${textbook}promises ${metres(icm(t))}.`, bothValues],
+];
+
+// Said of balls whose mass, size and bounce are known, but not their stiffness.
+const bands: Row<StoryFacts>[] = [
+  [
+    "band",
+    (t) => t.drop.band !== null && bothPlain(t),
+    ({ drop: { band } }) => {
+      const [soft, stiff] = band!.map(metres);
+      return (
+        "How high exactly is not known: we know of no measurement of how stiff these two balls are where they touch. " +
+        `By Newton’s equations half the stiffness assumed here gives ${soft}, twice as much ${stiff}. ` +
+        "In the textbook the stiffness does not matter."
+      );
+    },
+    ({ drop: { band } }) => ({ soft: band![0], stiff: band![1] }),
+  ],
+];
+
+// ---- the story: slowly, through the contact ----------------------------------------------------------------
+
+const restitution = ({ drop: { scenario } }: StoryFacts): string => String(Number(scenario.restitution.toPrecision(3)));
+const restitutionNumbers = ({ drop: { scenario: s } }: StoryFacts): Numbers => ({
+  restitution: s.restitution,
+  ...(constantsOf(s).includes("impact_speed") && { impact_speed: s.constants.impact_speed }),
+});
+const statedAt = ({ drop: { scenario } }: StoryFacts): string =>
+  constantsOf(scenario).includes("impact_speed") ? ` at ${withUnit(scenario.constants.impact_speed, "m/s")}` : "";
+const lone: Row<StoryFacts>[] = [
+  [
+    "lone",
+    (t) => t.drop.lone !== null,
+    (t) => {
+      const { arrives, leaves, end } = t.drop.lone!;
+      return (
+        `Drop the ${lowName(t)} alone: it meets the floor with ${speed(arrives)}, is pressed together, and ` +
+        `leaves with ${speed(leaves)}. That takes ${duration(end)}, not an instant.`
+      );
+    },
+    ({ drop: { lone } }) => ({ arrives: lone!.arrives, leaves: lone!.leaves, end: lone!.end }),
+  ],
+];
+const restitutionRows: Row<StoryFacts>[] = [
+  [
+    "restitution-cradle",
+    cradle,
+    (t) =>
+      `The coefficient of restitution ε is the share of their relative speed that two balls keep in a ` +
+      `collision${statedAt(t)}: 1 loses nothing, 0 keeps them together. Here ε = ${restitution(t)}.`,
+    restitutionNumbers,
+  ],
+  [
+    "restitution",
+    always,
+    (t) =>
+      `The coefficient of restitution ε is the share of its speed that a ball keeps in a collision with the ` +
+      `floor${statedAt(t)}: 1 loses nothing, 0 stays down. Here ε = ${restitution(t)}; move it.`,
+    restitutionNumbers,
+  ],
+];
+
+// Whether the upper of two balls touches the lower one while the floor pushes it.
+function meetsOnFloor(t: StoryFacts): boolean {
+  const { newton, icm } = t.drop;
+  const { floor, first } = contactFacts({ balls: count(t), cradle: cradle(t), newton: newton.run, icm: icm.run });
+  return count(t) === 2 && floor !== undefined && first < floor.end;
+}
+const leavesOut: Row<StoryFacts>[] = [
+  [
+    "out-unanswered",
+    (t) => !answered(t),
+    () => "Newton’s equations have no answer here, so the textbook cannot be judged.",
+  ],
+  ["out-no-contact", (t) => t.drop.newton.run.nContacts === 0, () => "No two balls touch here in time to be compared."],
+  [
+    "out-floor",
+    (t) => overlapping(t) > 0 && meetsOnFloor(t),
+    (t) =>
+      `The textbook lets the ${lowName(t)} finish its bounce before the ${topName(t)} arrives. By Newton’s equations ` +
+      `the floor pushes the ${lowName(t)} while the balls touch: two contacts last at the same time, of which a rule ` +
+      "for one collision after the other knows nothing.",
+  ],
+  [
+    "out-many",
+    (t) => overlapping(t) > 0,
+    () => "Several contacts last at the same time; the textbook takes them one after another.",
+  ],
+  ["out-nothing", always, () => "No two contacts last at the same time here."],
+];
+const forceRows: Row<StoryFacts>[] = [
+  [
+    "forces-cradle",
+    cradle,
+    () => "F₁₂ is the force between the first ball and the second. Move through the film and watch it.",
+  ],
+  [
+    "forces",
+    always,
+    (t) =>
+      `F₀₁ is the force of the floor on the ${lowName(t)}, F₁₂ that between the ${lowName(t)} and the ` +
+      `${count(t) === 2 ? topName(t) : "next ball"}. Move through the film and watch both.`,
+  ],
 ];
 
 const touch = ({ drop: { scenario, newton } }: StoryFacts): string =>
@@ -646,7 +769,7 @@ const noHeights = "Of these balls together we know no published heights as numbe
 const experiment: Row<StoryFacts>[] = [
   [
     "alone",
-    (t) => !cradle(t) && alone(t) !== null,
+    (t) => alone(t) !== null,
     (t) => {
       const { low, high, by } = alone(t)!;
       return (
@@ -656,7 +779,7 @@ const experiment: Row<StoryFacts>[] = [
     },
     (t) => ({ low: alone(t)!.low, high: alone(t)!.high }),
   ],
-  ["no-experiment", (t) => !cradle(t), () => noHeights],
+  ["no-experiment", always, () => noHeights],
 ];
 
 const tolerance = (t: StoryFacts): Numbers => ({ tolerance: t.report.tolerance });
@@ -665,6 +788,15 @@ const overlapsHere = (t: StoryFacts): string => {
   const [n, k] = [t.drop.newton.run.nContacts, overlapping(t)];
   return `Of the ${counted(n, "contact")} of these balls ${k === 1 ? "one overlaps" : `${spell(k)} overlap`} another one.`;
 };
+const colours: Row<StoryFacts>[] = [
+  [
+    "colours",
+    (t) => count(t) === 2 && !cradle(t),
+    () =>
+      "Each point is a drop with its own ε and gap. Its colour compares: the effective restitution ε_eff is the ε " +
+      "that would make the textbook’s balls part as Newton’s do. At ε_eff/ε = 1 the textbook is right. Choose points.",
+  ],
+];
 const map: Row<StoryFacts>[] = [
   [
     "map-cradle",
@@ -734,30 +866,44 @@ function headline(t: StoryFacts, step: Step): Sentence[] {
   const guess = said ? [{ id: "guess", text: said, numbers: { guess: t.guess! } }] : [];
   return [t.report.newton[0], ...t.report.icm, ...guess];
 }
-const inWords: Record<Step, (t: StoryFacts) => boolean> = {
-  watch: bothPlain,
-  predict: (t) => !over(t) || bothPlain(t),
-  slow: () => true,
-  count: (t) => answered(t) && t.drop.newton.run.nContacts > 0,
-  gap: () => true,
-  map: () => true,
-};
 
-const chapters: Record<Exclude<Step, "slow">, Row<StoryFacts>[]> = { watch, predict, count: countRows, gap, map };
-
-// The chapter on the contact has the report's reasons.
-export function story(step: Step, t: StoryFacts): Sentence[] {
-  if (step === "slow") return t.report.why;
-  if (!inWords[step](t)) return headline(t, step);
-  const first = chosen(chapters[step], t)!;
-  const second =
-    step === "gap" ? chosen(experiment, t) : first.id.endsWith("-agree") && doubted(t) ? t.report.verdict : null;
-  return [first, ...(second ? [second] : [])];
+// The sentences on the result, and the verdict after heights that agree.
+function result(rows: Row<StoryFacts>[], t: StoryFacts): Sentence[] {
+  const first = chosen(rows, t)!;
+  return first.id.endsWith("-agree") && doubted(t) ? [first, t.report.verdict!] : [first];
 }
 
+// The paragraphs of each chapter.
+const chapters: Record<Step, (t: StoryFacts) => Sentence[][]> = {
+  predict: (t) =>
+    over(t) && !bothPlain(t) ? [headline(t, "predict"), []] : [result(predict, t), over(t) ? allOf(bands, t) : []],
+  watch: (t) => [allOf(worlds, t), bothPlain(t) ? result(watch, t) : headline(t, "watch")],
+  slow: (t) => [
+    [...allOf(lone, t), chosen(restitutionRows, t)!],
+    t.report.why, // the report's reasons
+    [chosen(leavesOut, t)!, chosen(forceRows, t)!],
+  ],
+  count: (t) => [
+    [
+      ...allOf(otherBalls, t),
+      ...(answered(t) && t.drop.newton.run.nContacts > 0 ? [chosen(countRows, t)!] : headline(t, "count")),
+    ],
+  ],
+  gap: (t) => [
+    [...allOf(otherBalls, t), chosen(gap, t)!],
+    [...(cradle(t) ? [] : [chosen(experiment, t)!]), ...allOf(bands, t)],
+  ],
+  map: (t) => {
+    const about = [...allOf(otherBalls, t), ...allOf(colours, t)];
+    return about.length > 0 ? [about, [chosen(map, t)!]] : [[chosen(map, t)!], []];
+  },
+};
+export const paragraphs = (step: Step, t: StoryFacts): Sentence[][] => chapters[step](t);
+export const story = (step: Step, t: StoryFacts): Sentence[] => paragraphs(step, t).flat();
+
 const titles: Record<Step, string> = {
-  watch: "One bounce, two models",
   predict: "How high will it fly?",
+  watch: "One bounce, two models",
   slow: "Slowly, through the contact",
   count: "Count the contacts",
   gap: "Change the gap",

@@ -1,7 +1,7 @@
-// Setting of a link: its example, or the default one, with the changes in the link.
+// Setting of a link: its example, that of its chapter or the default one, with the changes in the link.
 import { presets, type Preset } from "./presets";
 import { copyOf, fromQuery, type Scenario } from "./scenario";
-import { baseOf } from "./story_view";
+import { ballsOfChapter, baseOf, bringsBalls, stepOf } from "./story_view";
 import { firstView, viewFromQuery } from "./view";
 
 export function settingOf(query: URLSearchParams, notes: string[]): { preset: Preset; scenario: Scenario } {
@@ -10,7 +10,8 @@ export function settingOf(query: URLSearchParams, notes: string[]): { preset: Pr
   const named = presets.find((p) => p.id === example);
   if (example !== null && !named) notes.push(`example = “${example.slice(0, 20)}” is unknown: ${base.name} is shown`);
   const preset = named ?? base;
-  const scenario = copyOf(preset.scenario);
+  const balls = ballsOfChapter({ step: stepOf(query), own: bringsBalls(query) });
+  const scenario = copyOf(balls ?? preset.scenario);
   fromQuery(scenario, query, notes);
   return { preset, scenario };
 }

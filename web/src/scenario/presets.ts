@@ -27,15 +27,16 @@ export const presets: Preset[] = [
     id: "basketball",
     name: "Basketball and tennis ball",
     about:
-      "The classroom classic, let go touching, one metre above the floor: balls in the middle of what their rules " +
+      "The classroom classic, let go touching, 30 cm above the floor: balls in the middle of what their rules " +
       "allow (see Measured balls). " +
-      "The floor contact has the basketball’s stiffness, the upper contact that of both balls in series. " +
-      "Let go touching, the tennis ball rises little higher than it fell; a gap of some centimetres, and it flies.",
+      "The floor contact has the basketball’s stiffness, the upper contact that of both balls in series; neither was " +
+      "measured. Let go touching, the tennis ball rises little higher than it fell; a gap of two centimetres, and it " +
+      "flies.",
     scenario: scenario({
       restitution: 0.76,
       constants: { stiffness: basketballStiffness },
       own: { stiffness: [ballBallStiffness] },
-      height: 1 + basketball.radius,
+      height: Number((0.3 + basketball.radius).toPrecision(4)), // a metre rule shows all heights
       gaps: [0],
       balls: [solid(basketball.radius, basketball.mass), solid(tennis.radius, tennis.mass)],
     }),

@@ -2,8 +2,12 @@
 import { presets } from "./presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
 
-export const steps = ["watch", "predict", "slow", "count", "gap", "map"] as const; // chapters of the story
+export const steps = ["predict", "watch", "slow", "count", "gap", "map"] as const; // chapters of the story
 export type Step = (typeof steps)[number];
+export const firstStep = steps[0];
+
+// Examples that show the point of a chapter better than the balls that the story opens with.
+const ballsOf: Partial<Record<Step, string>> = { count: "fig2", map: "fig2" };
 
 export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;
 export type PanelName = (typeof panels)[number];
@@ -17,14 +21,16 @@ export interface StoryView {
   panel: PanelName | null; // shown alone
   curve: CurveAxis;
   pin: Scenario | null; // setting A
+  own: boolean; // the reader has chosen the balls: no chapter changes them
 }
 
 export const firstStoryView = (): StoryView => ({
-  step: "watch",
+  step: firstStep,
   guess: null,
   panel: null,
   curve: "gap",
   pin: null,
+  own: false,
 });
 
 export const highestPrediction = 1000; // m
@@ -36,6 +42,10 @@ const queryOf = (s: Scenario): URLSearchParams => {
 };
 const opening = presets[0].scenario;
 export const sameScenario = (a: Scenario, b: Scenario): boolean => queryOf(a).toString() === queryOf(b).toString();
+
+// The balls of the present chapter; null: those that the story has.
+export const ballsOfChapter = ({ step, own }: Pick<StoryView, "step" | "own">): Scenario | null =>
+  (step && !own && presets.find((p) => p.id === ballsOf[step])?.scenario) || null;
 
 // The page opens with the first example; the link stores differences from the paper's Fig. 2.
 export function scenarioToQuery(s: Scenario, q: URLSearchParams): void {
@@ -49,15 +59,19 @@ const scenarioKeys = (): Set<string> =>
   new Set(presets.flatMap((p) => [...queryOf(p.scenario).keys()]).concat("u", "setup", "law"));
 const describes = (q: URLSearchParams): boolean => [...q.keys()].some((key) => scenarioKeys().has(key));
 
+// Whether a link has balls other than those that the story opens with.
+export const bringsBalls = (q: URLSearchParams): boolean =>
+  (q.has("example") && q.get("example") !== presets[0].id) || describes(q);
+
 // The example that a link without a name starts from.
 export const baseOf = (q: URLSearchParams): string => (describes(q) ? "fig2" : presets[0].id);
 
 const prefix = "a."; // of the parameters of setting A
 
 export function storyToQuery(v: StoryView, q: URLSearchParams): void {
-  if (v.step && v.step !== "watch") q.set("story", v.step);
+  if (v.step && v.step !== firstStep) q.set("story", v.step);
   if (!v.step && !v.panel && !v.pin) q.set("page", "lab");
-  if (v.step === "watch" && v.pin) q.set("page", "story"); // a link with a setting A opens the laboratory
+  if (v.step === firstStep && v.pin) q.set("page", "story"); // a link with a setting A opens the laboratory
   if (v.guess !== null) q.set("guess", String(v.guess));
   if (v.panel) q.set("panel", v.panel);
   if (v.curve !== "gap") q.set("curve", v.curve);
@@ -68,6 +82,13 @@ export function storyToQuery(v: StoryView, q: URLSearchParams): void {
   for (const [key, value] of own) q.set(prefix + key, value);
 }
 
+// The chapter that a link names.
+export function stepOf(q: URLSearchParams): Step | null {
+  const step = q.get("story");
+  if (step === "drop") return "predict"; // in older links
+  return steps.find((name) => name === step) ?? null;
+}
+
 export function storyFromQuery(v: StoryView, q: URLSearchParams, notes: string[]): void {
   const choice = <T extends string>(key: string, options: readonly T[]): T | null => {
     const text = q.get(key);
@@ -75,12 +96,12 @@ export function storyFromQuery(v: StoryView, q: URLSearchParams, notes: string[]
     notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: left out`);
     return null;
   };
-  if (q.get("story") === "drop") q.set("story", "predict"); // in older links
-  const step = choice("story", steps);
+  const step = stepOf(q) ?? choice("story", steps);
   v.panel = step ? null : choice("panel", panels);
   const pinned = [...q.keys()].some((key) => key.startsWith(prefix));
   const laboratory = choice("page", ["lab", "story"]) === "lab" || (pinned && !q.has("page"));
-  v.step = step ?? (v.panel || laboratory ? null : "watch");
+  v.step = step ?? (v.panel || laboratory ? null : firstStep);
+  v.own = bringsBalls(q);
   v.curve = choice("curve", curveAxes) ?? "gap";
   const guess = q.get("guess");
   if (guess !== null) {

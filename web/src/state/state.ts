@@ -3,7 +3,14 @@ import { computed } from "@preact/signals-core";
 import type { Clock } from "../core/clock";
 import type { Answered, Drop } from "../core/drop";
 import { reportOf, type Report } from "../report/report";
-import { firstStoryView, storyToQuery, scenarioToQuery, type StoryView } from "../scenario/story_view";
+import {
+  ballsOfChapter,
+  firstStoryView,
+  sameScenario,
+  scenarioToQuery,
+  storyToQuery,
+  type StoryView,
+} from "../scenario/story_view";
 import type { Scenario } from "../scenario/scenario";
 import type { Theme } from "../style/theme";
 import { firstView, viewToQuery, type View } from "../scenario/view";
@@ -57,7 +64,8 @@ export class State {
 
   link(): string {
     const q = new URLSearchParams();
-    scenarioToQuery(this.scenario, q);
+    const balls = ballsOfChapter(this.story);
+    if (!balls || !sameScenario(balls, this.scenario)) scenarioToQuery(this.scenario, q);
     const map = this.story.step ? firstView().map : this.view.map; // the story has its own
     // With reduced motion the film stands at its start by default.
     const stands = !this.playing && (this.screen > 0 || moves());

@@ -55,11 +55,6 @@ export class Observation {
     return this.sheet.seen;
   }
 
-  open(): void {
-    this.sheet.open();
-    this.picture.refresh();
-  }
-
   private draw(): void {
     const { state, sheet, dragged } = this;
     const d = state.drop!;

@@ -44,6 +44,11 @@ export class Prediction {
     });
   }
 
+  open(): void {
+    this.sheet.open();
+    this.picture.refresh();
+  }
+
   // Moves the balls.
   advance(now: number): void {
     const { state } = this;

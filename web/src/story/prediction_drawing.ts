@@ -8,7 +8,7 @@ import { halo } from "../support/labels";
 import { setFont, stroke } from "../support/plot";
 import { nameOfBall } from "../scenario/measured";
 import { massOf, releaseHeight } from "../scenario/scenario";
-import { capital, independent, newton } from "../scenario/tables";
+import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
 export interface PredictionPicture {
@@ -57,11 +57,14 @@ export function drawPrediction(
   const lane = (w - left) / lanes;
   const columns: ["newton" | "icm", string, Balls][] = [
     ["newton", newton.label, t.newton],
-    ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm],
+    ["icm", lane > 16 * size ? `Textbook: ${independent.label}` : "Textbook", t.icm],
   ];
   const release = releaseHeight(t.drop.scenario);
   const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // the heights need the space
-  drawLevel(g, left, w, floor - release * scale, label, theme.muted, [2, 5], 1.5, size, theme, "left");
+  const level = floor - release * scale;
+  // A mark of a height, with its number above, would cross the label.
+  const crossed = t.reached.some((z) => Math.abs(floor - z * scale - level + 0.1 * size) < 1.7 * size);
+  drawLevel(g, left, w, level, label, theme.muted, [2, 5], 1.5, size, theme, "left", crossed);
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
     if (t.falling) {
@@ -72,7 +75,7 @@ export function drawPrediction(
       g.fillText(name, middle, floor + 1.3 * size);
     }
     const line = new Line(g, false, floor, middle);
-    line.balls(t.drop.scenario.balls, balls.position, scale, 0.25 * size, (i) =>
+    line.balls(t.drop.scenario.balls, balls.position, scale, 10, (i) =>
       model === "icm" ? outlined(theme, Math.max(3, size / 7)) : filled(theme, i, 1),
     );
     const z = t.reached[k];
@@ -84,7 +87,9 @@ export function drawPrediction(
       setFont(g, theme, 1.5 * size, 700);
       g.textAlign = "center";
       g.textBaseline = "bottom";
-      const bottom = Math.max(y - 0.3 * size, 1.8 * size);
+      // Above the mark; below it where the line of the guess would cross the number.
+      const crossed = t.guess !== null && Math.abs(y - 0.9 * size - (floor - t.guess * scale)) < 1.2 * size;
+      const bottom = crossed ? y + 2.3 * size : Math.max(y - 0.3 * size, 1.8 * size);
       const wide = g.measureText(metres(z)).width + 0.6 * size; // covers the lines of the ruler behind the number
       g.fillStyle = theme.ground;
       g.fillRect(middle - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
@@ -98,12 +103,14 @@ export function drawPrediction(
     g.textBaseline = "middle";
     halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - promptHeight * scale, theme.ink, theme);
   }
-  if (t.guess !== null)
+  if (t.guess !== null) {
+    const level = floor - t.guess * scale;
+    const marked = t.falling && t.reached.some((z) => Math.abs(level - size - (floor - z * scale)) < 1.1 * size);
     drawLevel(
       g,
       left,
       w,
-      floor - t.guess * scale,
+      level,
       `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`,
       theme.ink,
       [],
@@ -111,7 +118,9 @@ export function drawPrediction(
       size,
       theme,
       "right",
+      marked,
     );
+  }
   return { floor, scale, left, right: w, promptHeight };
 }
 
@@ -198,6 +207,7 @@ function drawLevel(
   size: number,
   theme: Theme,
   align: "left" | "right",
+  below = false,
 ): void {
   g.strokeStyle = color;
   g.lineWidth = width * Math.max(1, size / 18);
@@ -206,6 +216,7 @@ function drawLevel(
   g.setLineDash([]);
   setFont(g, theme, width > 2 ? 1.2 * size : size, width > 2 ? 700 : 400);
   g.textAlign = align;
-  g.textBaseline = "bottom";
-  halo(g, text, align === "left" ? left + 8 : right - 8, Math.max(y - 4, 1.5 * size), color, theme);
+  g.textBaseline = below ? "top" : "bottom";
+  const edge = below ? y + 4 : Math.max(y - 4, 1.5 * size);
+  halo(g, text, align === "left" ? left + 8 : right - 8, edge, color, theme);
 }

@@ -4,14 +4,16 @@ import { find, setSentence, Sheet } from "../support/dom";
 import { later } from "../support/later";
 import type { Film } from "../views/film";
 import { Frames, SinglePanel } from "../state/frames";
-import type { Step } from "../scenario/story_view";
+import { firstStep, type Step } from "../scenario/story_view";
 import type { MapPanel } from "../map/map_panel";
 import { fillMeasured } from "../views/measured_table";
 import { Mini } from "../views/mini";
 import type { Pool } from "../core/pool";
 import { ReboundPanel } from "../views/rebound_panel";
 import type { State } from "../state/state";
+import type { Scenario } from "../scenario/scenario";
 import type { View } from "../scenario/view";
+import { ContactSteps } from "./contact_steps";
 import { Prediction } from "./prediction";
 import { Story } from "./story";
 import { Observation } from "./observation";
@@ -33,7 +35,7 @@ export class Presenter {
     private readonly map: MapPanel,
     pool: Pool,
     private readonly moves: () => boolean,
-    load: (example: string) => void,
+    put: (scenario: Scenario) => void,
     resized: () => void,
   ) {
     const view = state.story;
@@ -50,7 +52,7 @@ export class Presenter {
       arrived: (step: Step) => this.arrive(step),
       showMap: (view: View["map"] | null) => (view ? this.map.showAs(view) : this.map.showTrusted()),
       left: () => this.show(),
-      load,
+      put,
     };
     this.story = new Story(
       state,
@@ -60,6 +62,7 @@ export class Presenter {
       host,
       new Observation(state, film, new Sheet("duel", resized), moves, textSize),
       new Prediction(state, view, new Sheet("prediction", resized), moves, textSize),
+      new ContactSteps(state, new Sheet("lone", resized), new Sheet("overlap", resized), textSize),
     );
     later(fillMeasured);
     this.placed = state.view.time !== null;
@@ -91,7 +94,7 @@ export class Presenter {
 
   // The first picture of the story, if the first chapter is read.
   open(): void {
-    if (this.state.story.step === "watch") this.story.open();
+    if (this.state.story.step === firstStep) this.story.open();
   }
 
   get plays(): boolean {

@@ -4,15 +4,16 @@ import { later } from "../support/later";
 import type { Film } from "../views/film";
 import type { Frames } from "../state/frames";
 import type { Prediction } from "./prediction";
-import { sameScenario, steps, type StoryView, type Step } from "../scenario/story_view";
+import { ballsOfChapter, firstStep, sameScenario, steps, type StoryView, type Step } from "../scenario/story_view";
 import { presets } from "../scenario/presets";
-import type { Scenario } from "../scenario/scenario";
+import { copyOf, type Scenario } from "../scenario/scenario";
 import { Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import type { View } from "../scenario/view";
 import { joined, type Sentence } from "../support/sentence";
 import type { StoryFacts } from "../report/facts";
-import { story, titleOf } from "../report/sentences";
+import { paragraphs, titleOf } from "../report/sentences";
+import type { ContactSteps } from "./contact_steps";
 import type { Observation } from "./observation";
 
 // Functions of the page that the story uses.
@@ -21,7 +22,7 @@ export interface StoryHost {
   arrived(step: Step): void; // a chapter comes into view
   showMap(view: View["map"] | null): void; // null: the map of the last chapter
   left(): void;
-  load(example: string): void;
+  put(scenario: Scenario): void; // other balls, which cannot be undone
 }
 
 export class Story {
@@ -33,8 +34,7 @@ export class Story {
       step,
       section,
       title: section.querySelector("h2")!,
-      text: section.querySelector<HTMLElement>(".text")!,
-      beside: section.querySelector<HTMLElement>(".beside"),
+      texts: [...section.querySelectorAll<HTMLElement>(".text, .beside")], // a paragraph each
       written: "",
       seen: true,
     };
@@ -44,7 +44,7 @@ export class Story {
   private kept: View["map"] | null = null; // the laboratory's map while that of the last chapter is prepared
   private column: Scenario | null = null; // the last one that was solved; sliders change it in place
   private scrolled = true;
-  private otherExample = ""; // that the button of the chapter on counting loads
+  private home: Scenario | null = null; // balls of the story while a chapter has its own
   private aim: Step | null = null; // chapter to scroll to, until the reader scrolls
 
   constructor(
@@ -55,9 +55,10 @@ export class Story {
     private readonly host: StoryHost,
     private readonly observation: Observation,
     private readonly prediction: Prediction,
+    private readonly contact: ContactSteps,
   ) {
     history.scrollRestoration = "manual";
-    find("open-story").addEventListener("click", () => this.go("watch"));
+    find("open-story").addEventListener("click", () => this.enter());
     for (const id of ["leave", "leave-too"])
       find(id).addEventListener("click", (e) => {
         e.preventDefault();
@@ -65,11 +66,28 @@ export class Story {
       });
     for (const button of find("chapters").querySelectorAll("button"))
       button.addEventListener("click", () => this.go(button.dataset.step as Step));
-    find("count-other").addEventListener("click", () => host.load(this.otherExample));
+    this.listenPager();
     addEventListener("scroll", () => (this.scrolled = true), { passive: true });
     addEventListener("resize", () => (this.scrolled = true));
     for (const act of ["wheel", "touchmove", "keydown"])
       addEventListener(act, () => (this.aim = null), { passive: true });
+  }
+
+  // On a narrow screen: the chapters by name, and the next one.
+  private listenPager(): void {
+    const choice = find<HTMLSelectElement>("pager-choice");
+    choice.append(...steps.map((step, i) => new Option(`${i + 1} ${titleOf(step, false)}`, step)));
+    choice.addEventListener("change", () => this.go(choice.value as Step));
+    find("pager-next").addEventListener("click", () => {
+      const next = steps[steps.indexOf(choice.value as Step) + 1];
+      this.go(next ?? null);
+    });
+  }
+
+  // The laboratory's balls stay in all chapters, unless they are those that the story opens with.
+  private enter(): void {
+    this.view.own = !sameScenario(this.state.scenario, presets[0].scenario);
+    this.go(firstStep);
   }
 
   go(step: Step | null): void {
@@ -93,6 +111,7 @@ export class Story {
   // Restores the laboratory's map.
   leave(): void {
     this.view.step = null;
+    this.home = null; // the laboratory has the balls of the last chapter
     if (this.kept) this.host.showMap(this.kept);
     this.kept = null;
   }
@@ -107,7 +126,8 @@ export class Story {
         find("story").parentElement!.append(...this.order);
       return;
     }
-    if (step === "watch") later(() => this.gather());
+    this.lend();
+    if (step === firstStep) later(() => this.gather());
     else this.gather();
     this.frames.show("story", []);
     this.arrived.clear();
@@ -116,11 +136,23 @@ export class Story {
     this.scrollTo(step);
   }
 
-  // The film begins before the texts are written.
+  // The first picture is drawn before the texts are written.
   open(): void {
-    this.arrived.add("watch");
-    this.host.arrived("watch");
-    this.observation.open();
+    this.prediction.open();
+  }
+
+  // Gives a chapter its own balls, and takes them back after it.
+  private lend(): void {
+    const { state, view, host } = this;
+    const balls = ballsOfChapter(view);
+    if (balls && !this.home) {
+      const known = sameScenario(state.scenario, balls); // from a link to this chapter
+      this.home = copyOf(known ? presets[0].scenario : state.scenario);
+      if (!known) host.put(copyOf(balls));
+    } else if (!balls && this.home) {
+      if (!sameScenario(state.scenario, this.home)) host.put(this.home);
+      this.home = null;
+    }
   }
 
   // The map of the last chapter belongs to a column. It is prepared again for a column that was loaded or restored.
@@ -134,11 +166,10 @@ export class Story {
   // Moves each panel into its chapter.
   private gather(): void {
     if (!this.view.step) return;
-    for (const { section, text } of this.chapters)
-      text.after(
-        ...(section.dataset.panels?.split(" ") ?? []).map((name) => document.querySelector(`.panel.${name}`)!),
-        ...section.querySelectorAll(".watch, .prediction"),
-      );
+    for (const { section } of this.chapters)
+      section
+        .querySelector(".panels")
+        ?.before(...section.dataset.panels!.split(" ").map((name) => document.querySelector(`.panel.${name}`)!));
   }
 
   prepare(): void {
@@ -148,7 +179,7 @@ export class Story {
   }
 
   private scrollTo(step: Step): void {
-    if (step === "watch") scrollTo(0, 0);
+    if (step === firstStep) scrollTo(0, 0);
     else this.chapters.find((c) => c.step === step)!.section.scrollIntoView({ block: "start" });
   }
 
@@ -162,11 +193,12 @@ export class Story {
     const { state, view } = this;
     if (!view.step || !state.drop) return;
     this.prediction.advance(now);
-    for (const drawing of [this.observation.controls, this.observation.picture, this.prediction.picture])
+    const { observation, prediction, contact } = this;
+    for (const drawing of [observation.controls, observation.picture, prediction.picture, ...contact.drawings])
       drawing.refresh();
     if ((!Sheet.moving || now - this.written >= Sheet.often) && this.texts.refresh()) this.written = now;
-    if (this.aim && this.aim !== "watch") this.scrollTo(this.aim); // after the texts above it are written
-    this.aim = null;
+    if (this.aim && this.aim !== firstStep) this.scrollTo(this.aim);
+    if (this.chapters.every(({ written }) => written)) this.aim = null; // the texts above it may move it
     if (this.scrolled) this.look();
   }
 
@@ -174,7 +206,7 @@ export class Story {
   private look(): void {
     this.scrolled = false;
     const { view, state } = this;
-    let read: Step = "watch";
+    let read: Step = firstStep;
     for (const chapter of this.chapters) {
       const { step, section } = chapter;
       const { top, bottom } = section.getBoundingClientRect();
@@ -192,18 +224,22 @@ export class Story {
       if (button.dataset.step === read) button.setAttribute("aria-current", "step");
       else button.removeAttribute("aria-current");
     }
+    find<HTMLSelectElement>("pager-choice").value = read;
+    setText(find("pager-next"), read === steps[steps.length - 1] ? "Laboratory" : "Next");
     if (view.step === read) return;
     view.step = read;
+    this.lend();
     state.writeLink();
   }
 
   // The sentences of all chapters; null outside the story.
   sentences(): Record<Step, Sentence[]> | null {
-    const facts = this.facts();
-    return facts && (Object.fromEntries(steps.map((step) => [step, story(step, facts)])) as Record<Step, Sentence[]>);
+    if (!this.facts("predict")) return null;
+    const all = steps.map((step) => [step, paragraphs(step, this.facts(step)!).flat()]);
+    return Object.fromEntries(all) as Record<Step, Sentence[]>;
   }
 
-  private facts(): StoryFacts | null {
+  private facts(step: Step): StoryFacts | null {
     const { state, view } = this;
     if (!view.step || !state.drop || !state.report) return null;
     return {
@@ -212,30 +248,25 @@ export class Story {
       guess: view.guess,
       fall: this.prediction.fall,
       ...this.host.fromPlots(),
+      lent: this.home !== null && ballsOfChapter({ step, own: view.own }) !== null,
+      back: step === "gap" && this.home === null && !view.own,
     };
   }
 
-  // While a slider moves, only chapters in the window are written.
+  // While a slider moves, only chapters in the window are written. While a chapter has its own balls, the others keep
+  // what they say of those of the story.
   private write(): void {
-    const facts = this.facts();
-    if (!facts) return;
     const { scenario, moving } = this.state;
     for (const chapter of this.chapters) {
-      if (moving && !chapter.seen) continue;
-      const sentences = story(chapter.step, facts);
-      const text = joined(sentences);
-      const title = titleOf(chapter.step, scenario.cradle);
-      setText(chapter.title, title);
-      if (text === chapter.written) continue;
-      chapter.written = text;
-      const aside = chapter.beside ? sentences.slice(1) : [];
-      setSentence(chapter.text, joined(sentences.slice(0, sentences.length - aside.length)));
-      if (chapter.beside) setSentence(chapter.beside, joined(aside));
+      const facts = this.facts(chapter.step);
+      if (!facts) return;
+      const other = this.home !== null && !facts.lent;
+      if (chapter.written && ((moving && !chapter.seen) || other)) continue;
+      const texts = paragraphs(chapter.step, facts).map(joined);
+      setText(chapter.title, titleOf(chapter.step, scenario.cradle));
+      if (texts.join("\n") === chapter.written) continue;
+      chapter.written = texts.join("\n");
+      chapter.texts.forEach((element, i) => setSentence(element, texts[i]));
     }
-    // Hard balls touch more often than soft ones: a button loads the paper's balls.
-    const other = find("count-other");
-    const opening = sameScenario(scenario, presets[0].scenario);
-    setText(other, opening ? "Count on the paper’s hard balls" : "Count on the basketball");
-    this.otherExample = opening ? "fig2" : presets[0].id;
   }
 }

@@ -34,22 +34,22 @@ export function changes(element: Element, key: string): boolean {
   return true;
 }
 
-// A number and its unit, "1.28 m", with a no-break space.
-const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
+// A number and its unit, "1.28 m", or a subscript, "ε_eff".
+const special = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/])|_[a-z]+)/;
+const specialElement = (part: string): HTMLElement =>
+  part.startsWith("_")
+    ? Object.assign(document.createElement("sub"), { textContent: part.slice(1) })
+    : Object.assign(document.createElement("span"), { className: "whole", textContent: part });
 
 // Sets the text of an element without line breaks between numbers and units. Existing nodes are reused if possible,
 // which costs less.
 export function setSentence(element: HTMLElement, text: string): void {
-  const parts = text.split(quantity);
+  const parts = text.split(special);
   const old = element.childNodes;
-  if (old.length === parts.length && parts.every((_, i) => old[i] instanceof Text === (i % 2 === 0)))
-    parts.forEach((part, i) => setText(old[i], part));
-  else
-    element.replaceChildren(
-      ...parts.map((part, i) =>
-        i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }),
-      ),
-    );
+  const kind = (part: string, i: number): string => (i % 2 === 0 ? "#text" : part.startsWith("_") ? "SUB" : "SPAN");
+  if (old.length === parts.length && parts.every((part, i) => old[i].nodeName === kind(part, i)))
+    parts.forEach((part, i) => setText(old[i], part.replace(/^_/, "")));
+  else element.replaceChildren(...parts.map((part, i) => (i % 2 === 0 ? part : specialElement(part))));
 }
 
 // A canvas that fills its box at the screen's resolution.

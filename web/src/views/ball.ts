@@ -90,7 +90,8 @@ export class Line {
     this.g.stroke();
   }
 
-  // Balls at their positions, none smaller than `least` [pixels] or below the floor.
+  // Balls at their positions, none with a radius below `least` [pixels] or below the floor. Enlarged ones stand on the
+  // next one.
   balls(
     balls: readonly Ball[],
     position: ArrayLike<number>,
@@ -98,9 +99,12 @@ export class Line {
     least: number,
     look: (ball: number, radius: number) => Look,
   ): void {
+    let below = 0; // top of the ball below
     balls.forEach((b, i) => {
       const radius = Math.max(b.radius * scale, least);
-      const along = this.horizontal ? position[i] * scale : Math.max(position[i] * scale, radius);
+      const lowest = b.radius * scale < least ? below + radius : radius;
+      const along = this.horizontal ? position[i] * scale : Math.max(position[i] * scale, lowest);
+      below = along + radius;
       drawBall(this.g, ...this.at(along), radius, look(i, radius));
     });
   }

@@ -30,6 +30,7 @@ export interface DuelLayout {
   worlds: { top: Place; lowest: Place }[];
 }
 
+const least = 10; // radius of a ball [px]
 const flash = 0.45; // s on the screen for which a collision is shown
 
 export function drawDuel(
@@ -149,7 +150,7 @@ class World {
     return this.floor - z * this.scale;
   }
   private radius(i: number): number {
-    return Math.max(this.d.scenario.balls[i].radius * this.scale, 3);
+    return Math.max(this.d.scenario.balls[i].radius * this.scale, least);
   }
 
   // Areas in which the top and the lowest ball can be dragged. They are large enough for a finger and do not overlap.
@@ -196,16 +197,20 @@ class World {
     g.globalAlpha = 1;
   }
 
-  // A ball is flattened where it overlaps a neighbour or the floor, and becomes wider.
+  // A ball is flattened where it overlaps a neighbour or the floor, and becomes wider. An enlarged one stands on the
+  // next one.
   balls(balls: Balls): void {
     const { g, d } = this;
+    let below = this.floor; // top of the ball below
     d.scenario.balls.forEach((b, i) => {
       const pressed = (pair: number): number =>
         pair < d.scenario.balls.length ? Math.max(-balls.gap[pair], 0) * (pair === 0 ? 1 : 0.5) : 0;
       const [low, high] = [balls.position[i] - b.radius + pressed(i), balls.position[i] + b.radius - pressed(i + 1)];
-      const ry = Math.max(0.5 * (high - low) * this.scale, 0.3 * this.radius(i), 3);
+      const enlarged = this.radius(i) / b.radius;
+      const ry = Math.max(0.5 * (high - low) * enlarged, 0.3 * this.radius(i));
       const rx = this.radius(i) * Math.sqrt(Math.max(this.radius(i) / ry, 0.5));
-      const y = Math.min(this.y(0.5 * (low + high)), this.floor - ry);
+      const y = Math.min(this.y(0.5 * (low + high)), (enlarged > 1.001 * this.scale ? below : this.floor) - ry);
+      below = y - ry;
       drawBall(g, this.x, y, rx, shaded(g, this.x, y, rx, ry, this.color, i), ry);
     });
   }

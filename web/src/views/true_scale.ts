@@ -54,7 +54,7 @@ export class TrueScale extends Painter {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
       this.font(nameSize, 600);
       this.text(name, line.center + (k === 0 ? -aside : aside), floor + 1.15 * size, color, "center");
-      line.balls(d.scenario.balls, state.position, scale, 3, (i, radius) => this.look(ghost, i, radius));
+      line.balls(d.scenario.balls, state.position, scale, 10, (i, radius) => this.look(ghost, i, radius));
       if (this.m.time > track.known) this.label("not resolved", line.center, floor - 0.5 * (floor - top), color);
       else if (this.m.time > track.run.last) this.peaks(line, track, scale, lane, color);
     });
