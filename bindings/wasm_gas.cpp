@@ -7,7 +7,7 @@
 // spheres, 1 Newton's equations.
 //
 // The module contains one contact law, the linear dashpot (registry.hpp), and disks of one kind in a box at rest:
-// smooth ones, or with HARDLIMIT_GAS_RUBS those with friction, which need 120 kB more and a module of their own.
+// smooth ones, or with HARDLIMIT_GAS_RUBS those with friction, whose module is 95 kB larger.
 #define HARDLIMIT_LAWS(X) X(LinearDashpot)
 #define HARDLIMIT_BOXES_AT_REST
 #ifndef HARDLIMIT_GAS_RUBS
@@ -160,8 +160,8 @@ int gas_place(double seed) {
     return 1;
 }
 
-// Writes Maxwellian velocities with this root mean square [m/s], and no total momentum along periodic axes; with friction
-// also Maxwellian spins with the same energy for each degree of freedom.
+// Writes Maxwellian velocities with this root mean square [m/s], and no total momentum along periodic axes; with
+// friction also Maxwellian spins with the same energy for each degree of freedom.
 void gas_heat(double seed, double rms_speed) {
     const std::size_t n = count();
     double* const v = velocities();
@@ -228,7 +228,8 @@ int gas_advance(int world, double until, double most_work) {
 }
 
 // Returns: time; outcome; contacts begun, of pairs, ended, overlapped; kinetic, potential, contact, dissipated and
-// rotational energy; largest compression; collisions made elastic by the rule tc, soft, and soft with a third body; events.
+// rotational energy; largest compression; collisions made elastic by the rule tc, soft, and soft with a third body;
+// events.
 double* gas_observe(int world) {
     const box::Engine& e = engine(world);
     const box::Observation o = e.observe();
