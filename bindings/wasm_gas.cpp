@@ -3,17 +3,21 @@
 // reference values with which the WebAssembly build is compared, bit for bit.
 //
 // The caller writes its input to gas_setting(): numbers in the order of `Field`, then positions (2n) and velocities
-// (2n), in SI units. Both engines start from this setting. Worlds: 0 hard spheres, 1 Newton's equations.
+// (2n) and, with friction, angular velocities (n), in SI units. Both engines start from this setting. Worlds: 0 hard
+// spheres, 1 Newton's equations.
 //
-// The module contains one contact law, the linear dashpot (registry.hpp), and smooth disks of one
-// kind in a box at rest.
+// The module contains one contact law, the linear dashpot (registry.hpp), and disks of one kind in a box at rest:
+// smooth ones, or with HARDLIMIT_GAS_RUBS those with friction, whose module is 95 kB larger.
 #define HARDLIMIT_LAWS(X) X(LinearDashpot)
 #define HARDLIMIT_BOXES_AT_REST
+#ifndef HARDLIMIT_GAS_RUBS
 #define HARDLIMIT_SMOOTH
+#endif
 
 #include <algorithm>
 #include <memory>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "boxes/binary_contact/planar_contact.hpp"
@@ -29,6 +33,7 @@ namespace {
 namespace hl = hardlimit;
 namespace box = hardlimit::boxes;
 using Law = hl::contact::LinearDashpot;
+using LawOfModule = std::conditional_t<box::particles_rub, hl::WithFriction<Law>, Law>;
 
 enum Field {
     number,                  // n
@@ -41,6 +46,8 @@ enum Field {
     restitution,
     stiffness,         // [N/m]
     contact_duration,  // t_c of the rule tc [s]
+    friction,          // μ
+    stiffness_ratio,   // k_t/k_n
     fields
 };
 
@@ -59,7 +66,7 @@ const hardlimit_abi::TouchKernels kernels = [] {
 }();
 
 struct Gas {
-    std::vector<double> setting, radii, masses;
+    std::vector<double> setting, radii, masses, spins;
     std::unique_ptr<box::Engine> world[2];
     std::vector<double> out;  // last returned array
 };
@@ -72,6 +79,8 @@ double field(Field f) { return gas().setting[f]; }
 std::size_t count() { return static_cast<std::size_t>(field(number)); }
 double* positions() { return gas().setting.data() + fields; }
 double* velocities() { return positions() + 2 * count(); }
+double* spins() { return velocities() + 2 * count(); }
+std::size_t length() { return fields + (box::particles_rub ? 5 : 4) * count(); }
 box::Engine& engine(int world) { return *gas().world[world]; }
 
 box::System system_given() {
@@ -81,6 +90,11 @@ box::System system_given() {
     g.radii.assign(s.n, field(radius));
     g.masses.assign(s.n, field(mass));
     s.position = positions(), s.velocity = velocities(), s.radius = g.radii.data(), s.mass = g.masses.data();
+    if (box::particles_rub) {
+        g.spins.assign(3 * s.n, 0.0);
+        for (std::size_t i = 0; i < s.n; ++i) g.spins[3 * i + 2] = spins()[i];
+        s.angular_velocity = g.spins.data();
+    }
     s.box.dimension = 2;
     for (int k = 0; k < 2; ++k) {
         const auto value = [&](Field f) { return g.setting[static_cast<std::size_t>(f + k)]; };
@@ -91,7 +105,13 @@ box::System system_given() {
     return s;
 }
 
-box::LawChoice law_given() { return {0, 0, {field(stiffness), field(restitution)}, {}}; }
+box::LawChoice law_given() {
+    box::LawChoice law{0, 0, {field(stiffness), field(restitution)}, {}};
+    if (field(friction) == 0.0) return law;
+    law.friction.coefficient = field(friction), law.friction.stiffness_ratio = field(stiffness_ratio);
+    law.friction.damping_ratio = 0.0;
+    return law;
+}
 
 // Reads the collision rule; false if the module does not contain it or a number is out of its range.
 bool read_rule(box::RuleChoice& choice) {
@@ -99,10 +119,12 @@ bool read_rule(box::RuleChoice& choice) {
     if (choice.rule < 0 || choice.rule >= box::rule_count) return false;
     const box::RuleRecord& record = box::rule_records[choice.rule];
     if (record.n_parameters > 0) choice.parameters[0] = field(contact_duration);
-    if (record.takes_restitution)
+    if (record.takes_restitution && field(friction) == 0.0)
         choice.restitution = field(restitution);
-    else
+    else if (record.takes_law)
         choice.law = law_given();
+    else
+        return false;
     return choice.parameters[0] >= 0.0;
 }
 
@@ -120,7 +142,7 @@ extern "C" {
 
 // Allocates the setting for n disks; valid until the next call.
 double* gas_setting(int n) {
-    gas().setting.assign(fields + 4 * static_cast<std::size_t>(n), 0.0);
+    gas().setting.assign(fields + (box::particles_rub ? 5 : 4) * static_cast<std::size_t>(n), 0.0);
     gas().setting[number] = n;
     return gas().setting.data();
 }
@@ -138,7 +160,8 @@ int gas_place(double seed) {
     return 1;
 }
 
-// Writes Maxwellian velocities with this root mean square [m/s], and no total momentum along periodic axes.
+// Writes Maxwellian velocities with this root mean square [m/s], and no total momentum along periodic axes; with
+// friction also Maxwellian spins with the same energy for each degree of freedom.
 void gas_heat(double seed, double rms_speed) {
     const std::size_t n = count();
     double* const v = velocities();
@@ -154,6 +177,12 @@ void gas_heat(double seed, double rms_speed) {
     for (std::size_t i = 0; i < 2 * n; ++i) square += v[i] * v[i];
     for (std::size_t i = 0; i < 2 * n; ++i)
         v[i] *= rms_speed / hl::math::sqrt(square / static_cast<double>(n));
+    if (!box::particles_rub) return;
+    double mean = 0.0;
+    for (std::size_t i = 0; i < n; ++i) spins()[i] = random.normal(), mean += spins()[i] * spins()[i];
+    // q R² ⟨ω²⟩ = ⟨v²⟩/2
+    const double spin = rms_speed / (field(radius) * hl::math::sqrt(2.0 * box::solid_inertia_factor(2)));
+    for (std::size_t i = 0; i < n; ++i) spins()[i] *= spin / hl::math::sqrt(mean / static_cast<double>(n));
 }
 
 // Contact duration [s] of two disks.
@@ -173,17 +202,20 @@ double gas_deepest() { return hl::deepest_compression; }
 int gas_start() {
     for (auto& world : gas().world) world.reset();
     const std::size_t given = gas().setting.size();
-    if (given < fields || field(number) < 1 || given != fields + 4 * count()) return no_such_box;
+    if (given < fields || field(number) < 1 || given != length()) return no_such_box;
     box::RuleChoice choice;
     if (!read_rule(choice)) return no_such_rule;
     if (!(field(restitution) > 0.0 && field(restitution) <= 1.0 && field(stiffness) > 0.0))
+        return no_such_law;
+    if (box::particles_rub ? !(field(friction) > 0.0 && field(stiffness_ratio) > 0.0)
+                           : field(friction) != 0.0)
         return no_such_law;
     const box::System s = system_given();
     if (box::validate(s).kind != box::Fault::none) return no_such_start;
     hl::Stop never;
     gas().world[0] = std::make_unique<box::HardSpheres<2, false>>(s, choice, true, kernels, never);
-    gas().world[1] =
-        std::make_unique<box::NewtonEvents<Law>>(box::NewtonSetting(s, law_given(), true), s, kernels);
+    gas().world[1] = std::make_unique<box::NewtonEvents<LawOfModule>>(
+        box::NewtonSetting(s, law_given(), true), s, kernels);
     return none;
 }
 
@@ -195,8 +227,9 @@ int gas_advance(int world, double until, double most_work) {
     return !engine(world).paused();
 }
 
-// Returns: time; outcome; contacts begun, of pairs, ended, overlapped; kinetic, potential, contact and dissipated
-// energy; largest compression; collisions made elastic by the rule tc, soft, and soft with a third body; events.
+// Returns: time; outcome; contacts begun, of pairs, ended, overlapped; kinetic, potential, contact, dissipated and
+// rotational energy; largest compression; collisions made elastic by the rule tc, soft, and soft with a third body;
+// events.
 double* gas_observe(int world) {
     const box::Engine& e = engine(world);
     const box::Observation o = e.observe();
@@ -211,6 +244,7 @@ double* gas_observe(int world) {
                  o.potential_energy,
                  o.contact_energy,
                  o.dissipated_energy,
+                 o.rotational_energy,
                  o.largest_compression};
     for (const char* name : {"n_elastic_by_tc", "n_soft", "n_soft_third_body", "n_events"}) {
         double value = 0.0;
@@ -221,11 +255,17 @@ double* gas_observe(int world) {
     return gas().out.data();
 }
 
-// Current positions, unwrapped across periodic boundaries (2n), then velocities (2n); valid until the next call of this
-// interface.
+// Current positions, unwrapped across periodic boundaries (2n), then velocities (2n), with friction then angular
+// velocities (n); valid until the next call of this interface.
 double* gas_state(int world) {
-    gas().out.resize(4 * count());
-    engine(world).state(gas().out.data(), gas().out.data() + 2 * count());
+    const std::size_t n = count();
+    gas().out.resize(length() - fields);
+    engine(world).state(gas().out.data(), gas().out.data() + 2 * n);
+    if (box::particles_rub) {
+        std::vector<double> spin(3 * n);
+        engine(world).spins(spin.data());
+        for (std::size_t i = 0; i < n; ++i) gas().out[4 * n + i] = spin[3 * i + 2];
+    }
     return gas().out.data();
 }
 
@@ -255,24 +295,35 @@ namespace law = hardlimit::boxes::error_law;
 double law_rate(double packing_fraction, double diameter, double temperature) {
     return law::fluid(2, packing_fraction).collision_rate(diameter, temperature);
 }
-// Rules: constant (0), tc (1), soft (2).
-static law::ErrorLaw law_made(double packing_fraction, double restitution, int rule) {
-    return law::make(law::fluid(2, packing_fraction), restitution, static_cast<law::Rule>(rule));
+// Rules: constant (0), tc (1), soft (2). `added`, `bar`: what friction adds to a, and its standard error; `wider`: the
+// factor of the standard error outside the range of its measurements.
+static law::ErrorLaw law_made(double packing_fraction, double restitution, int rule, double added, double bar,
+                              double wider) {
+    auto made = law::make(law::fluid(2, packing_fraction), restitution, static_cast<law::Rule>(rule));
+    made.coefficient += added;
+    const double own = made.coefficient_error;
+    if (bar > 0.0) made.coefficient_error = wider * hl::math::sqrt(own * own + bar * bar);
+    return made;
 }
+// D 2^D φ χ
+double law_density(double packing_fraction) { return law::fluid(2, packing_fraction).density(); }
 // Returns a, its standard error and 2k.
-double* law_of_error(double packing_fraction, double restitution, int rule) {
-    const law::ErrorLaw made = law_made(packing_fraction, restitution, rule);
+double* law_of_error(double packing_fraction, double restitution, int rule, double added, double bar,
+                     double wider) {
+    const law::ErrorLaw made = law_made(packing_fraction, restitution, rule, added, bar, wider);
     gas().out = {made.coefficient, made.coefficient_error, made.decay};
     return gas().out.data();
 }
 // Returns the relative error of the cooling and its standard error.
-double* law_errors(double packing_fraction, double restitution, int rule, double tc_nu) {
-    const law::ErrorLaw made = law_made(packing_fraction, restitution, rule);
+double* law_errors(double packing_fraction, double restitution, int rule, double added, double bar,
+                   double wider, double tc_nu) {
+    const law::ErrorLaw made = law_made(packing_fraction, restitution, rule, added, bar, wider);
     gas().out = {made.error(tc_nu), made.error_bar(tc_nu)};
     return gas().out.data();
 }
-double law_largest(double packing_fraction, double restitution, int rule, double error) {
-    return law_made(packing_fraction, restitution, rule).largest_tc_nu(error);
+double law_largest(double packing_fraction, double restitution, int rule, double added, double bar,
+                   double wider, double error) {
+    return law_made(packing_fraction, restitution, rule, added, bar, wider).largest_tc_nu(error);
 }
 // Returns the smallest and largest packing fraction, the smallest restitution and the largest t_c ν of the
 // measurements.

@@ -15,7 +15,7 @@ module() {
     local file=$out/$1 source=$2
     shift 2
     "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 "${size:--Os}" -msimd128 -fno-exceptions -fno-rtti \
-        -fno-threadsafe-statics -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
+        -fno-threadsafe-statics -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core ${flags:-} \
         "$source" runtime.cpp -o "$file" -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${@/#/-Wl,--export=}"
     chmod 644 "$file"
     node -e '
@@ -28,9 +28,11 @@ drop="column_buffer reply_buffer scratch solve contacts_of row_size sample rebou
     records record_ranges outcome_message"
 module core.wasm ../bindings/wasm.cpp $drop
 module maps.wasm ../bindings/wasm.cpp $drop agreement_gaps scan_points scan_timeline
-size=-Oz module gas.wasm ../bindings/wasm_gas.cpp gas_setting gas_fields gas_place gas_heat gas_duration gas_compression \
-    gas_deepest gas_start gas_advance gas_observe gas_state gas_take_log gas_log gas_outcome gas_rule \
-    law_rate law_of_error law_errors law_largest law_measured
+gas="gas_setting gas_fields gas_place gas_heat gas_duration gas_compression gas_deepest gas_start gas_advance gas_observe
+    gas_state gas_take_log gas_log gas_outcome gas_rule law_rate law_density law_of_error law_errors law_largest law_measured"
+# Smooth disks; those with friction, loaded when they are chosen.
+size=-Oz module gas.wasm ../bindings/wasm_gas.cpp $gas
+size=-Oz flags=-DHARDLIMIT_GAS_RUBS module gas_friction.wasm ../bindings/wasm_gas.cpp $gas
 
 npx tsc
 node build.mjs "$out"

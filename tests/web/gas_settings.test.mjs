@@ -1,6 +1,7 @@
 // Gases over random settings, with ties and extremes: the collisions have the same bits as Python's, and the numbers
 // and the verdict are the same. PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { after, test } from "node:test";
 import { build } from "esbuild";
@@ -10,15 +11,16 @@ import { join } from "node:path";
 import { agrees, Python } from "./gas.mjs";
 import { random } from "./modules.mjs";
 
-const count = 120;
+const count = Number(process.env.COUNT ?? 40);
+const seed = Number(process.env.SEED ?? 2027);
 const src = new URL("../../web/src/gas/", import.meta.url).pathname;
-const wasm =
-  process.env.EXPLORER_GAS_WASM ?? new URL("../../src/hardlimit/explorer/page/gas.wasm", import.meta.url).pathname;
+const page = new URL("../../src/hardlimit/explorer/page/", import.meta.url).pathname;
+const wasm = process.env.EXPLORER_GAS_WASM ?? `${page}gas.wasm`;
 
 async function load() {
   const folder = mkdtempSync(join(tmpdir(), "gas-"));
   const outfile = join(folder, "gas.mjs");
-  const names = ["core", "simulation", "setting", "report", "sentences", "facts"];
+  const names = ["core", "simulation", "setting", "report", "sentences", "facts", "starts", "statistics"];
   await build({
     stdin: {
       contents: names.map((name) => `export * from "${src}${name}";`).join("\n"),
@@ -36,7 +38,11 @@ async function load() {
 }
 const {
   GasCore,
+  INTERVALS,
   Simulation,
+  StartRun,
+  differenceAt,
+  student,
   World,
   examples,
   filmFromQuery,
@@ -49,6 +55,8 @@ const {
   usual,
 } = await load();
 const module = new WebAssembly.Module(readFileSync(wasm));
+const rubbing = new WebAssembly.Module(readFileSync(`${page}gas_friction.wasm`));
+const coreOf = ({ friction }) => new GasCore(friction > 0 ? rubbing : module, friction > 0);
 const python = new Python();
 after(() => python.end());
 
@@ -72,11 +80,26 @@ function randomSetting(next) {
     walls: gravity > 0 || next() < 0.25,
     gravity,
     seed: 1 + Math.floor(1000 * next()),
+    friction: next() < 0.4 ? draw(next, ranges.friction, [0.02, 0.5]) : 0,
+    stiffnessRatio: draw(next, ranges.stiffnessRatio, [0.286, 0.82]),
   };
 }
 
-function played(setting, frames, steps) {
-  const core = new GasCore(module);
+// The first starts; fewer if they take longer than `patience` milliseconds.
+function startsOf(setting, most, patience) {
+  const begin = performance.now();
+  const starts = [];
+  for (let k = 0; k < most && performance.now() - begin < patience; k++) {
+    const run = new StartRun(coreOf(setting), setting, k);
+    let start = null;
+    while (!start && performance.now() - begin < 2 * patience) start = run.advance(50);
+    if (start) starts.push(start);
+  }
+  return starts;
+}
+
+function played(setting, frames, steps, most = 8, patience = 20_000) {
+  const core = coreOf(setting);
   const simulation = new Simulation(core, setting);
   const samples = [];
   let frame = simulation.frame();
@@ -98,6 +121,7 @@ function played(setting, frames, steps) {
     messages,
     done: frame.done,
     atRest: frame.atRest,
+    starts: simulation.start.tooSoft === 0 ? startsOf(setting, most, patience) : [],
   };
   const joined = (parts) => parts.flatMap((part) => Array.from(part));
   const logs = [joined(simulation.logs[0]), joined([...simulation.logs[1], core.log(World.newton, true)])];
@@ -107,19 +131,39 @@ function played(setting, frames, steps) {
   };
 }
 
+// Settings whose sentences were false once, and ends.
+const special = [
+  { number: 150, phi: 0.6, restitution: 1, tcNu: 0.3 },
+  { number: 100, phi: 0.02, restitution: 1, tcNu: 1e-4 },
+  { number: 100, phi: 0.4, restitution: 1, tcNu: 0.1, walls: true, gravity: 20 },
+  { number: 100, phi: 0.3, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 },
+  { number: 150, phi: 0.4, restitution: 0.1, tcNu: 0.01 },
+  { number: 150, phi: 0.6, restitution: 0.8, tcNu: 0.3 },
+  { number: 100, phi: 0.7, restitution: 0.3, tcNu: 0.1, friction: 1 },
+  { number: 100, phi: 0.4, restitution: 1, tcNu: 0.1, friction: 0.02 },
+  { number: 100, phi: 0.3, restitution: 0.9, tcNu: 0.1, friction: 0.5, rule: "soft" },
+  { number: 100, phi: 0.02, restitution: 0.5, tcNu: 0.3 },
+].map((part) => ({ ...usual, ...part }));
+
 test(`${count} random gases: collisions, numbers and sentences are Python's`, async (t) => {
-  const next = random(2027);
+  const next = random(seed);
   const seen = {};
-  for (let k = 0; k < count; k++) {
-    const setting = randomSetting(next);
-    const { report, worlds } = played(setting, Math.floor(2 + 60 * next()), [0.25, 1, 4, 9][k % 4]);
+  for (let k = 0; k < count + special.length; k++) {
+    const setting = special[k] ?? randomSetting(next);
+    const { report, worlds } = played(
+      setting,
+      Math.floor(2 + 60 * next()),
+      [0.25, 1, 4, 9][k % 4],
+      k >= special.length && k % 4 === 3 ? 3 : 8,
+    );
     await agrees(python, report, worlds);
     for (const { topic, id } of report.sentences) seen[`${topic}: ${id}`] = (seen[`${topic}: ${id}`] ?? 0) + 1;
   }
   t.diagnostic(JSON.stringify(seen));
-  for (const id of ["too-soft", "stopped", "elastic-differs", "elsewhere", "differs", "agrees", "open"])
+  for (const id of ["too-soft", "stopped", "elastic-differs", "rests", "open", "waiting"])
     assert.ok(seen[`verdict: ${id}`], id);
-  for (const id of ["grows", "unknown"]) assert.ok(seen[`distance: ${id}`] > 5, id);
+  for (const id of ["elastic", "elsewhere", "differs", "agrees", "rule", "unknown"]) assert.ok(seen[`law: ${id}`], id);
+  for (const id of ["grows", "unknown"]) assert.ok(seen[`distance: ${id}`], id);
 });
 
 test("the examples do what they say", async () => {
@@ -130,16 +174,48 @@ test("the examples do what they say", async () => {
           { ...usual, ...setting, number: Math.min(setting.number ?? usual.number, 400) },
           400,
           1,
+          16,
+          60_000,
         );
         await agrees(python, report, worlds);
         return [id, Object.fromEntries(report.sentences.map((s) => [s.topic, s.id]))];
       }),
     ),
   );
-  assert.equal(runs.thin.verdict, "agrees");
+  assert.equal(runs.thin.law, "agrees");
   assert.equal(runs.dense.verdict, "differs");
   assert.equal(runs.collapse.hard, "collapse");
-  assert.equal(runs.settling.verdict, "elsewhere");
+  assert.equal(runs.collapse.verdict, "stopped");
+  assert.equal(runs.settling.law, "elsewhere");
+  assert.equal(runs.rough.spins, "ratio");
+});
+
+test("Student’s t, and the line of Python: its means are the page’s within their errors", async (t) => {
+  for (const [freedom, expected] of [
+    [7, 3.4995],
+    [15, 2.9467],
+    [255, 2.5953],
+  ])
+    assert.ok(Math.abs(student(freedom) / expected - 1) < 0.003, String(freedom));
+  for (const part of [
+    { phi: 0.3, restitution: 0.9, tcNu: 0.1 },
+    { phi: 0.5, restitution: 0.8, tcNu: 0.05, rule: "tc" },
+    { phi: 0.4, restitution: 0.9, tcNu: 0.1, friction: 0.5 },
+  ]) {
+    const { report } = played({ ...usual, ...part, number: 100 }, 1, 1, 12, 60_000);
+    const mean = report.sentences.find(({ topic }) => topic === "mean").numbers;
+    const print = report.python.replace("print(", "f = (") + "; ";
+    const program =
+      print +
+      `rule = [m for m in f.models if m != "newton"][0]; d = f.final_difference("cooling", rule); ` +
+      `print(d.value, d.error, f.plan.replicas if hasattr(f.plan, "replicas") else f.n_replicas)`;
+    const said = execFileSync(process.env.PYTHON ?? "python3", ["-c", program], { encoding: "utf8" });
+    const [value, error, replicas] = said.trim().split(" ").map(Number);
+    const estimate = differenceAt(report.starts, "cooling", INTERVALS);
+    assert.equal(replicas, report.starts.length);
+    t.diagnostic(`${value} ± ${error}, page ${estimate.value} ± ${estimate.error}; until ${mean.until}`);
+    assert.ok(Math.abs(value - estimate.value) < 4 * Math.hypot(error, estimate.error), program);
+  }
 });
 
 test("a link gives its setting again; what is out of range is said", () => {

@@ -105,10 +105,10 @@ test("the law of the error", () => {
   const module = load(gas);
   for (const { rule, at, law, error, last } of golden.laws) {
     const [phi, epsilon] = at.map(decode);
-    assert.deepEqual(Array.from(view(module.law_of_error(phi, epsilon, rule), 3, module), encode), law);
-    assert.deepEqual(Array.from(view(module.law_errors(phi, epsilon, rule, 0.1), 2, module), encode), error);
+    assert.deepEqual(Array.from(view(module.law_of_error(phi, epsilon, rule, 0, 0, 1), 3, module), encode), law);
+    assert.deepEqual(Array.from(view(module.law_errors(phi, epsilon, rule, 0, 0, 1, 0.1), 2, module), encode), error);
     assert.deepEqual(
-      [module.law_largest(phi, epsilon, rule, 0.01), module.law_rate(phi, 2e-3, 0.125)].map(encode),
+      [module.law_largest(phi, epsilon, rule, 0, 0, 1, 0.01), module.law_rate(phi, 2e-3, 0.125)].map(encode),
       last,
     );
   }

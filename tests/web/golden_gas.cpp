@@ -60,7 +60,7 @@ void print_case(const Case& c, const char* after) {
     std::printf("\"refusal\": %d,\n   \"worlds\": [", gas_start());
     for (int world = 0; world < 2; ++world) {
         std::printf("{\"reached\": %d, ", gas_advance(world, c.until, 1e9));
-        print("observed", gas_observe(world), 15, ",\n     ");
+        print("observed", gas_observe(world), 16, ",\n     ");
         print_hash("state", gas_state(world), 4 * count(), ", ");
         for (const bool open : {false, true}) {
             const std::size_t logged = static_cast<std::size_t>(gas_take_log(world, open));
@@ -76,9 +76,10 @@ void print_law(double phi, double epsilon, int rule_of_law, const char* after) {
     std::printf("  {\"rule\": %d, ", rule_of_law);
     const double at[] = {phi, epsilon};
     print("at", at, 2, ", ");
-    print("law", law_of_error(phi, epsilon, rule_of_law), 3, ", ");
-    print("error", law_errors(phi, epsilon, rule_of_law, 0.1), 2, ", ");
-    const double last[] = {law_largest(phi, epsilon, rule_of_law, 0.01), law_rate(phi, 2e-3, 0.125)};
+    print("law", law_of_error(phi, epsilon, rule_of_law, 0.0, 0.0, 1.0), 3, ", ");
+    print("error", law_errors(phi, epsilon, rule_of_law, 0.0, 0.0, 1.0, 0.1), 2, ", ");
+    const double last[] = {law_largest(phi, epsilon, rule_of_law, 0.0, 0.0, 1.0, 0.01),
+                           law_rate(phi, 2e-3, 0.125)};
     print("last", last, 2, "}");
     std::printf("%s\n", after);
 }

@@ -17,11 +17,17 @@ interface Exports {
   gas_outcome(outcome: number): number;
   gas_rule(index: number): number;
   law_rate(phi: number, diameter: number, temperature: number): number;
-  law_of_error(phi: number, restitution: number, rule: number): number;
-  law_errors(phi: number, restitution: number, rule: number, tcNu: number): number;
-  law_largest(phi: number, restitution: number, rule: number, error: number): number;
+  law_density(phi: number): number;
+  law_of_error(phi: number, restitution: number, rule: number, ...added: Added): number;
+  law_errors(phi: number, restitution: number, rule: number, ...rest: [...Added, tcNu: number]): number;
+  law_largest(phi: number, restitution: number, rule: number, ...rest: [...Added, error: number]): number;
   law_measured(): number;
 }
+
+// What friction adds to the coefficient of the law of the error, its standard error, and the factor by which the error
+// bar is wider outside the range of the measurements.
+export type Added = [coefficient: number, bar: number, wider: number];
+const nothing: Added = [0, 0, 1];
 
 export enum World {
   hard = 0,
@@ -40,6 +46,8 @@ export interface Input {
   restitution: number;
   stiffness: number;
   contactDuration: number; // of the rule tc
+  friction: number; // μ
+  stiffnessRatio: number; // k_t/k_n
 }
 
 export interface Observed {
@@ -53,6 +61,7 @@ export interface Observed {
   potential: number;
   stored: number;
   dissipated: number;
+  rotational: number;
   compression: number; // largest so far, in radii
   elastic: number; // collisions made elastic by the rule tc
   soft: number;
@@ -70,6 +79,7 @@ const observed = [
   "potential",
   "stored",
   "dissipated",
+  "rotational",
   "compression",
   "elastic",
   "soft",
@@ -92,12 +102,18 @@ export interface Measured {
   tcNu: number;
 }
 const lawRules = ["constant", "tc", "soft"];
+// With friction, hard spheres have the tangential restitution of the contact law at each angle of impact.
+const ruleWithFriction: Record<string, string> = { constant: "law" };
 
 export class GasCore {
   private readonly wasm: Exports;
   private readonly rules: string[] = [];
 
-  constructor(module: WebAssembly.Module) {
+  // `rubs`: whether the module is that of disks with friction.
+  constructor(
+    module: WebAssembly.Module,
+    private readonly rubs = false,
+  ) {
     this.wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
     for (let at = this.wasm.gas_rule(0); at !== 0; at = this.wasm.gas_rule(this.rules.length))
       this.rules.push(this.text(at));
@@ -113,7 +129,8 @@ export class GasCore {
 
   set(input: Input): void {
     const at = this.wasm.gas_setting(input.number);
-    const { number, radius, mass, edge, gravity, restitution, stiffness, contactDuration } = input;
+    const { number, radius, mass, edge, gravity, restitution, stiffness, contactDuration, friction, stiffnessRatio } =
+      input;
     const periodic = input.periodic ? 1 : 0;
     this.values(at, this.wasm.gas_fields()).set([
       number,
@@ -125,10 +142,12 @@ export class GasCore {
       periodic,
       0,
       gravity,
-      this.rules.indexOf(input.rule),
+      this.rules.indexOf((friction > 0 && ruleWithFriction[input.rule]) || input.rule),
       restitution,
       stiffness,
       contactDuration,
+      friction,
+      stiffnessRatio,
     ]);
     this.setting = at;
     this.number = number;
@@ -143,9 +162,12 @@ export class GasCore {
   heat(seed: number, rms: number): void {
     this.wasm.gas_heat(seed, rms);
   }
-  // Positions (2n), then velocities (2n).
+  // Positions (2n), velocities (2n), with friction angular velocities (n).
   get start(): Float64Array {
-    return this.values(this.setting + 8 * this.wasm.gas_fields(), 4 * this.number).slice();
+    return this.values(this.setting + 8 * this.wasm.gas_fields(), this.length).slice();
+  }
+  private get length(): number {
+    return (this.rubs ? 5 : 4) * this.number;
   }
   get duration(): number {
     return this.wasm.gas_duration();
@@ -169,9 +191,9 @@ export class GasCore {
     const values = this.values(this.wasm.gas_observe(world), observed.length);
     return Object.fromEntries(observed.map((name, i) => [name, values[i]])) as unknown as Observed;
   }
-  // Positions, unwrapped, then velocities.
+  // As `start`; positions are unwrapped.
   state(world: World): Float64Array {
-    return this.values(this.wasm.gas_state(world), 4 * this.number).slice();
+    return this.values(this.wasm.gas_state(world), this.length).slice();
   }
   // Rows since the last call, or those of contacts that have not ended.
   log(world: World, open = false): Float64Array {
@@ -186,20 +208,25 @@ export class GasCore {
   rate(phi: number, diameter: number, temperature: number): number {
     return this.wasm.law_rate(phi, diameter, temperature);
   }
-  law(phi: number, restitution: number, rule: string): ErrorLaw {
+  // D 2^D φ χ
+  density(phi: number): number {
+    return this.wasm.law_density(phi);
+  }
+  law(phi: number, restitution: number, rule: string, added = nothing): ErrorLaw {
     const [coefficient, coefficientError, decay] = this.values(
-      this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule)),
+      this.wasm.law_of_error(phi, restitution, lawRules.indexOf(rule), ...added),
       3,
     );
     return { coefficient, coefficientError, decay };
   }
   // Relative error of the cooling, and its standard error.
-  error(phi: number, restitution: number, rule: string, tcNu: number): [number, number] {
-    const [error, bar] = this.values(this.wasm.law_errors(phi, restitution, lawRules.indexOf(rule), tcNu), 2);
+  error(phi: number, restitution: number, rule: string, tcNu: number, added = nothing): [number, number] {
+    const at = this.wasm.law_errors(phi, restitution, lawRules.indexOf(rule), ...added, tcNu);
+    const [error, bar] = this.values(at, 2);
     return [error, bar];
   }
-  largestTcNu(phi: number, restitution: number, rule: string, error: number): number {
-    return this.wasm.law_largest(phi, restitution, lawRules.indexOf(rule), error);
+  largestTcNu(phi: number, restitution: number, rule: string, error: number, added = nothing): number {
+    return this.wasm.law_largest(phi, restitution, lawRules.indexOf(rule), ...added, error);
   }
   get measured(): Measured {
     const [thinnest, densest, restitution, tcNu] = this.values(this.wasm.law_measured(), 4);

@@ -1,6 +1,8 @@
 // The present state of both simulations.
 import type { Observed } from "./core";
 import type { Sample, Start } from "./simulation";
+import type { OneStart } from "./starts";
+import type { Measure } from "./statistics";
 
 export interface Facts {
   start: Start;
@@ -11,7 +13,11 @@ export interface Facts {
   messages: readonly string[]; // of the outcomes
   done: boolean;
   atRest: boolean;
+  starts: readonly OneStart[]; // so far
 }
+
+export const measureOf = ({ start: { setting } }: Facts): Measure =>
+  setting.restitution === 1 && setting.friction === 0 ? "contacts" : setting.gravity > 0 ? "loss" : "cooling";
 
 // Keeps every second sample of a long run, and the last one.
 export const thinned = (samples: Sample[]): Sample[] =>

@@ -3,9 +3,12 @@ import { changes, find, setSentence, Sheet } from "../support/dom";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
 import { ThemeSwitch } from "../support/theme_switch";
-import { Client } from "./client";
+import { Client, StartsClient } from "./client";
+import { csvOf } from "./csv";
 import { thinned, type Facts } from "./facts";
 import { drawGraph, graphs } from "./graphs";
+import { picture } from "./picture";
+import { pythonOf } from "./python";
 import { reportOf, type Report } from "./report";
 import { sentences, milliseconds } from "./sentences";
 import { examples, filmFromQuery, fromQuery, ranges, rules, toQuery, type Quantity, type Setting } from "./setting";
@@ -15,13 +18,14 @@ import type { Answer } from "./worker";
 
 declare global {
   interface Window {
-    hardlimit: { report: () => Report | null; log: () => Promise<Answer> };
+    hardlimit: { report: () => Report | null; log: () => Promise<Answer>; python: () => string };
   }
 }
 
 const root = document.documentElement;
 const mostSamples = 1200;
-const shown: Quantity[] = ["phi", "restitution", "tcNu", "gravity", "number"];
+const shown: Quantity[] = ["phi", "restitution", "tcNu", "gravity", "number", "friction", "stiffnessRatio"];
+const [usualStarts, mostStarts] = [16, 256];
 
 // t_c ν with its index, kept on one line.
 function symbol(): HTMLElement {
@@ -42,11 +46,9 @@ class Page {
   private until = 0; // time of the link [s]
   private drawn = 0; // frames since the texts were written
   private theme!: GasTheme;
-  private readonly client = new Client(
-    WebAssembly.compileStreaming(fetch("gas.wasm")).catch(async () =>
-      WebAssembly.compile(await (await fetch("gas.wasm")).arrayBuffer()),
-    ),
-  );
+  private readonly client = new Client();
+  private readonly startsClient = new StartsClient();
+  private wanted = usualStarts; // starts
   private readonly worlds = (
     [
       ["hard", "icm"],
@@ -67,6 +69,7 @@ class Page {
     window.hardlimit = {
       report: () => (this.facts && this.current() ? reportOf(this.facts, this.playing) : null),
       log: () => this.client.ask({ kind: "log" }),
+      python: () => pythonOf(this.facts!),
     };
   }
 
@@ -77,11 +80,13 @@ class Page {
     const notes: string[] = [];
     this.setting = fromQuery(q, notes);
     const { speed, time } = filmFromQuery(q, notes);
-    this.playing = time === null && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.playing = time === null && this.moves;
     this.until = time ?? (this.playing ? 0 : 0.02);
     find<HTMLSelectElement>("speed").value = speed;
     this.note(notes);
   }
+
+  private readonly moves = !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   private current(): boolean {
     return this.facts !== null && this.answered === this.run;
@@ -111,16 +116,19 @@ class Page {
     walls.addEventListener("change", () => this.change(walls.checked ? { walls: true } : { walls: false, gravity: 0 }));
     for (const example of examples)
       find(`example-${example.id}`).addEventListener("click", () => {
-        this.playing = true;
+        this.writeLink();
+        history.pushState(null, "", `?example=${example.id}`);
         this.change({ ...fromQuery(new URLSearchParams({ example: example.id }), []) });
       });
     this.showSetting();
   }
 
+  // The film plays after every change, unless motion is reduced: then it goes on to a time with visible contacts.
   private change(part: Partial<Setting>): void {
     Object.assign(this.setting, part);
+    this.playing = this.moves;
     if (this.setting.gravity > 0) this.setting.walls = true;
-    this.until = 0;
+    this.until = this.playing ? 0 : 0.02;
     this.showSetting();
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => void this.restart(), 60);
@@ -142,6 +150,10 @@ class Page {
     }
     find<HTMLInputElement>(`rule-${s.rule}`).checked = true;
     find<HTMLInputElement>("walls").checked = s.walls;
+    const rubs = s.friction > 0;
+    find("stiffness-control").hidden = !rubs;
+    find("ratio").parentElement!.hidden = !rubs;
+    find("share").parentElement!.hidden = rubs;
     for (const example of examples) {
       const same = Object.entries(fromQuery(new URLSearchParams({ example: example.id }), [])).every(
         ([key, x]) => key === "seed" || s[key as keyof Setting] === x,
@@ -156,7 +168,19 @@ class Page {
     find("again").addEventListener("click", () => this.again());
     find("other").addEventListener("click", () => this.change({ seed: (this.setting.seed % 1_000_000) + 1 }));
     find("speed").addEventListener("change", () => this.writeLink());
-    find("copy").addEventListener("click", () => void this.copy());
+    find("copy").addEventListener("click", () => void this.copy(this.link(), "Link copied."));
+    find("python").addEventListener("click", () => {
+      if (this.facts) void this.copy(pythonOf(this.facts), "Python copied.");
+    });
+    find("csv").addEventListener("click", () => {
+      if (this.facts) save("hardlimit-gas.csv", new Blob([csvOf(this.facts)], { type: "text/csv" }));
+    });
+    find("png").addEventListener("click", () => this.savePicture());
+    find("more").addEventListener("click", () => {
+      this.wanted = Math.min(2 * this.wanted, mostStarts);
+      this.runStarts();
+      this.writeTexts();
+    });
     document.addEventListener("keydown", (e) => {
       const target = e.target as HTMLElement;
       if (e.ctrlKey || e.metaKey || e.altKey || target.closest(e.key === " " ? "input, select, button, a" : "select"))
@@ -205,15 +229,24 @@ class Page {
   private writeLink(): void {
     history.replaceState(null, "", this.link());
   }
-  private async copy(): Promise<void> {
+  private async copy(text: string, done: string): Promise<void> {
     const note = find("copied");
-    try {
-      await navigator.clipboard.writeText(this.link());
-      note.textContent = "Link copied.";
-    } catch {
-      note.textContent = "The link is in the address bar.";
-    }
     this.writeLink();
+    try {
+      await navigator.clipboard.writeText(text);
+      note.textContent = done;
+    } catch {
+      note.textContent = text === this.link() ? "The link is in the address bar." : text;
+    }
+  }
+  private savePicture(): void {
+    if (!this.facts) return;
+    const canvas = picture(
+      this.facts,
+      this.worlds.map(({ sheet }) => sheet),
+      this.theme,
+    );
+    canvas.toBlob((blob) => blob && save("hardlimit-gas.png", blob));
   }
 
   // --- the film ---
@@ -231,6 +264,7 @@ class Page {
     if (answer.kind === "error") return this.fail(answer.message);
     const { start, frame, messages } = answer;
     if (start.tooSoft > 0) this.playing = false;
+    this.wanted = usualStarts;
     this.frame = frame;
     this.facts = {
       start,
@@ -241,13 +275,32 @@ class Page {
       newton: frame.worlds[1].observed,
       done: frame.done,
       atRest: frame.atRest,
+      starts: [],
     };
     this.take([frame.sample], frame);
+    this.runStarts();
     this.showPlaying();
     this.draw();
     this.writeTexts();
     if (this.until > 0 && start.tooSoft === 0) void this.advance(1, this.until);
     else this.writeLink();
+  }
+
+  // Runs the starts that are still wanted, in their own worker.
+  private runStarts(): void {
+    const { setting, tooSoft } = this.facts!.start;
+    const run = this.run;
+    const from = this.facts!.starts.length;
+    root.dataset.starts = String(from);
+    if (tooSoft > 0 || from >= this.wanted) return;
+    void this.startsClient.run({ kind: "starts", setting, from, to: this.wanted }, (start) => {
+      if (run !== this.run || !this.facts) return;
+      this.facts = { ...this.facts, starts: [...this.facts.starts, start] };
+      root.dataset.starts = String(this.facts.starts.length);
+      if (this.playing) return;
+      this.draw();
+      this.writeTexts();
+    });
   }
 
   private fail(message: string): void {
@@ -344,11 +397,26 @@ class Page {
       const parts = text.split("t_c ν").flatMap((part, i) => (i === 0 ? [part] : [symbol(), part]));
       if (changes(find(id), text)) find(id).replaceChildren(...parts);
     };
-    write("verdict", of("verdict", "range"));
+    write("verdict", of("verdict"));
+    write("law", of("law", "range", "forecast"));
     write("news", of("hard", "newton", "end"));
+    write("mean", of("mean", "spins"));
     write("measured", of("measured", "contacts", "distance"));
+    const { starts, start } = this.facts;
+    const running = start.tooSoft === 0 && starts.length < this.wanted;
+    find("more").hidden = running || start.tooSoft > 0 || this.wanted >= mostStarts;
+    write(
+      "starts",
+      start.tooSoft > 0 ? "" : `${starts.length} ${running ? `of ${this.wanted} ` : ""}starts${running ? " …" : ""}`,
+    );
     write("time", `${milliseconds(this.facts.sample.time)}`);
   }
+}
+
+function save(name: string, blob: Blob): void {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
 new Page();

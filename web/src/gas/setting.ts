@@ -2,6 +2,7 @@
 import { choiceOf } from "../support/choice";
 export const RADIUS = 1e-3; // of the disks [m]
 export const MASS = 1e-5; // [kg]
+export const INERTIA = 0.5; // q of the moment of inertia q m R²
 export const RMS_SPEED = 0.5; // at the start [m/s]
 
 export const rules = ["constant", "tc", "soft"] as const;
@@ -16,6 +17,8 @@ export interface Setting {
   walls: boolean;
   gravity: number; // downwards [m/s²]
   seed: number;
+  friction: number; // μ
+  stiffnessRatio: number; // k_t/k_n
 }
 
 export interface Range {
@@ -24,13 +27,17 @@ export interface Range {
   step: number; // in the value, or in its decimal logarithm
   log: boolean;
 }
-export const ranges: { [K in "number" | "phi" | "restitution" | "tcNu" | "gravity" | "seed"]: Range } = {
+export const ranges: {
+  [K in "number" | "phi" | "restitution" | "tcNu" | "gravity" | "seed" | "friction" | "stiffnessRatio"]: Range;
+} = {
   number: { low: 100, high: 1000, step: 50, log: false },
   phi: { low: 0.02, high: 0.7, step: 0.01, log: false },
   restitution: { low: 0.1, high: 1, step: 0.01, log: false },
   tcNu: { low: 1e-4, high: 0.3, step: 0.01998, log: true }, // 174 steps to 0.300
   gravity: { low: 0, high: 20, step: 0.5, log: false },
   seed: { low: 1, high: 1e6, step: 1, log: false },
+  friction: { low: 0, high: 1, step: 0.01, log: false },
+  stiffnessRatio: { low: 0.2, high: 1.2, step: 0.002, log: false },
 };
 export type Quantity = keyof typeof ranges;
 const whole: Quantity[] = ["number", "seed"];
@@ -50,6 +57,8 @@ export const usual: Setting = {
   walls: false,
   gravity: 0,
   seed: 1,
+  friction: 0,
+  stiffnessRatio: 0.286, // 2/7, LAMMPS' default
 };
 export const examples: Example[] = [
   {
@@ -76,6 +85,12 @@ export const examples: Example[] = [
     about: "disks fall to the floor and come to rest",
     setting: { number: 200, phi: 0.25, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 },
   },
+  {
+    id: "rough",
+    name: "Disks that rub",
+    about: "friction passes energy between motion and spin",
+    setting: { number: 500, phi: 0.4, restitution: 0.9, tcNu: 0.1, friction: 0.5 },
+  },
 ];
 
 const names: { [K in keyof Setting]: string } = {
@@ -87,6 +102,8 @@ const names: { [K in keyof Setting]: string } = {
   walls: "walls",
   gravity: "g",
   seed: "seed",
+  friction: "mu",
+  stiffnessRatio: "kt",
 };
 export const labels: { [K in Quantity]: string } = {
   number: "disks",
@@ -95,6 +112,8 @@ export const labels: { [K in Quantity]: string } = {
   tcNu: "t_c ν",
   gravity: "gravity",
   seed: "seed of the start",
+  friction: "friction μ",
+  stiffnessRatio: "k_t/k_n",
 };
 
 export const toQuery = (setting: Setting): URLSearchParams => {

@@ -1,5 +1,6 @@
 // Both simulations from the same initial state, advanced together, and their frames for the page. Runs in the worker.
 import { GasCore, World, LOG_COLUMNS, type ErrorLaw, type Input, type Measured, type Observed } from "./core";
+import { lawOf, type Law } from "./law";
 import { MASS, RADIUS, RMS_SPEED, type Setting } from "./setting";
 
 // Values that the setting determines.
@@ -18,6 +19,9 @@ export interface Start {
   tooSoft: number; // 0; if the disks are too soft to run, the largest t_c ν that is not
   compression: number; // of an impact at the mean speed, in radii
   base: number; // shortest time between frames [s]
+  until: number; // time to which all starts are run [s]
+  known: boolean; // whether the law of the error says something
+  outside: string[]; // numbers that are outside the range of its measurements with friction
 }
 // Largest relative error of the cooling that counts as agreement.
 export const TOLERANCE = 0.01;
@@ -29,6 +33,7 @@ export interface Seen {
   links: Int32Array; // pairs of disks whose contacts overlap
   observed: Observed;
   energy: number; // energy that is not dissipated, relative to the initial energy
+  angles: Float32Array; // by which the disks have turned, for the picture; empty without friction
 }
 export interface Sample {
   time: number; // [s]
@@ -38,6 +43,7 @@ export interface Sample {
   predicted: [number, number, number];
   distance: number; // between both simulations [diameters]
   share: number; // fraction of Newton's contacts that overlap in time; NaN before the first contact has ended
+  ratio: [number, number]; // T_r/T, temperature of the rotation over that of the translation; NaN without friction
 }
 export interface FrameOf {
   worlds: [Seen, Seen];
@@ -55,8 +61,15 @@ const rest = 1e-3; // kinetic energy of disks at rest, relative to the initial e
 const baseOf = (rate: number, { edge, gravity }: Input): number =>
   Math.max(0.6 / rate / 60, RADIUS / RMS_SPEED / 60, gravity < 0 ? Math.sqrt((2 * edge) / -gravity) / 400 : 0);
 
+// Time at which each disk has collided `window` times by Haff's law, with Enskog's rate at the start [1/s].
+const window = 10;
+function untilOf(rate: number, { restitution }: Setting): number {
+  const loss = (1 - restitution * restitution) / 4; // of the logarithm of √T for a collision of each disk
+  return Number(((loss > 0 ? Math.expm1(loss * window) / loss : window) / rate).toPrecision(4));
+}
+
 function inputOf(core: GasCore, setting: Setting, rate: number): Input {
-  const { number, phi, restitution, tcNu, rule } = setting;
+  const { number, phi, restitution, tcNu, rule, friction, stiffnessRatio } = setting;
   const contactDuration = tcNu / rate;
   const input: Input = {
     number,
@@ -69,6 +82,8 @@ function inputOf(core: GasCore, setting: Setting, rate: number): Input {
     restitution,
     stiffness: 1,
     contactDuration,
+    friction,
+    stiffnessRatio,
   };
   core.set(input);
   return { ...input, stiffness: (core.duration / contactDuration) ** 2 };
@@ -108,13 +123,14 @@ export class Simulation {
     setting: Setting,
   ) {
     const { phi, restitution, rule, tcNu, number, seed, walls } = setting;
+    this.law = lawOf(core, setting);
     const temperature = 0.5 * RMS_SPEED * RMS_SPEED;
     const collisionRate = core.rate(phi, 2 * RADIUS, temperature);
     const input = inputOf(core, setting, collisionRate);
     core.set(input);
     if (!core.place(seed)) throw new Error("No random places without overlap were found at this packing fraction.");
     core.heat(seed, RMS_SPEED);
-    const [error, errorBar] = core.error(phi, restitution, rule, tcNu);
+    const [error, errorBar] = this.law.error(tcNu);
     const speed = Math.sqrt(Math.PI * temperature);
     // As in Python's check: compression of a pair in radii, of a wall contact in diameters.
     const compression = Math.min(
@@ -128,20 +144,24 @@ export class Simulation {
       temperature,
       collisionRate,
       contactDuration: core.duration,
-      law: core.law(phi, restitution, rule),
+      law: core.law(phi, restitution, rule, this.law.added),
+      known: this.law.known,
+      outside: this.law.outside,
       error,
       errorBar,
-      trusted: core.largestTcNu(phi, restitution, rule, TOLERANCE),
+      trusted: this.law.known ? core.largestTcNu(phi, restitution, rule, TOLERANCE, this.law.added) : NaN,
       measured: core.measured,
       tooSoft: compression < core.deepest ? 0 : (tcNu * core.deepest) / compression,
       compression,
       base: baseOf(collisionRate, input),
+      until: untilOf(collisionRate, setting),
     };
     this.last = [new Float64Array(number).fill(-Infinity), new Float64Array(number).fill(-Infinity)];
     if (core.begin() !== 0) throw new Error("The core refuses this setting.");
-    const { kinetic, potential } = core.observe(World.hard);
-    this.initial = kinetic + potential;
+    const { kinetic, potential, rotational } = core.observe(World.hard);
+    this.initial = kinetic + potential + rotational;
   }
+  private readonly law: Law;
 
   get now(): number {
     return this.time;
@@ -162,6 +182,42 @@ export class Simulation {
   private target = 0;
   private pace = 1;
 
+  // The last sample without the disks, for a start that is not shown.
+  sample(): { sample: Sample; observed: [Observed, Observed] } {
+    for (const world of [World.hard, World.newton]) this.core.log(world);
+    const observed: [Observed, Observed] = [this.core.observe(World.hard), this.core.observe(World.newton)];
+    return { sample: this.sampleOf(observed, NaN), observed };
+  }
+
+  // Advances both simulations to a time [s], for at most `budget` milliseconds. Returns whether it was reached.
+  advanceTo(time: number, budget: number): boolean {
+    const begin = performance.now();
+    for (const world of [World.hard, World.newton])
+      while (!this.core.advance(world, time, 500)) if (performance.now() - begin > budget) return false;
+    this.time = time;
+    return true;
+  }
+
+  private energyOf({ dissipated }: Observed): number {
+    return 1 - dissipated / this.initial;
+  }
+
+  private sampleOf([hard, newton]: [Observed, Observed], distance: number): Sample {
+    const over = [hard, newton].map(({ outcome, time }) => outcome !== 0 && time < this.time);
+    const energies = [hard, newton].map((o) => this.energyOf(o));
+    const { number, friction } = this.start.setting;
+    const ratio = ({ rotational, kinetic }: Observed): number => (friction > 0 ? (2 * rotational) / kinetic : NaN);
+    return {
+      time: this.time,
+      collisions: (2 * hard.pairs) / number,
+      energy: [over[0] ? NaN : energies[0], over[1] ? NaN : energies[1]],
+      predicted: this.predict(energies[0], over[0]),
+      distance: over[0] || over[1] ? NaN : distance,
+      share: newton.ended > 0 ? newton.overlapped / newton.ended : NaN,
+      ratio: [over[0] ? NaN : ratio(hard), over[1] ? NaN : ratio(newton)],
+    };
+  }
+
   frame(): FrameOf {
     const hard = this.see(World.hard);
     const newton = this.see(World.newton);
@@ -169,16 +225,12 @@ export class Simulation {
     if (setting.gravity === 0)
       this.pace = 2 ** Math.min(Math.floor(Math.log2(Math.sqrt(1 / Math.max(newton.energy, 1e-12)))), 10);
     const ended = [hard, newton].map(({ observed }) => observed.outcome !== 0 && observed.time < this.time);
-    const sample: Sample = {
-      time: this.time,
-      collisions: (2 * hard.observed.pairs) / setting.number,
-      energy: [ended[0] ? NaN : hard.energy, ended[1] ? NaN : newton.energy],
-      predicted: this.predict(hard, ended[0]),
-      distance: ended[0] || ended[1] ? NaN : this.distance(),
-      share: newton.observed.ended > 0 ? newton.observed.overlapped / newton.observed.ended : NaN,
-    };
+    const sample = this.sampleOf([hard.observed, newton.observed], this.distance());
     this.before = this.time;
-    const atRest = setting.gravity > 0 && newton.observed.kinetic < rest * this.initial && newton.energy < 1 - rest;
+    const atRest =
+      setting.gravity > 0 &&
+      newton.observed.kinetic + newton.observed.rotational < rest * this.initial &&
+      newton.energy < 1 - rest;
     const done =
       atRest ||
       sample.collisions >= most ||
@@ -191,18 +243,13 @@ export class Simulation {
   // The law gives e = (rate of the rule)/(rate of Newton's equations) − 1 for y = √(E(0)/E) at equal energies. Newton's
   // simulation therefore reaches an energy later by the factor 1 + e, and by half a contact duration, because no disks
   // touch initially.
-  private predict(hard: Seen, ended: boolean): [number, number, number] {
+  private predict(energy: number, ended: boolean): [number, number, number] {
     const { setting, contactDuration } = this.start;
-    if (ended || setting.walls) return [NaN, NaN, NaN];
-    const y = 1 / Math.sqrt(hard.energy);
+    if (ended || setting.walls || !this.law.known) return [NaN, NaN, NaN];
+    const y = 1 / Math.sqrt(energy);
     const [from, before] = this.stretchedAt;
     if (this.time > from) {
-      const [error, bar] = this.core.error(
-        setting.phi,
-        setting.restitution,
-        setting.rule,
-        (2 * setting.tcNu) / (y + before),
-      );
+      const [error, bar] = this.law.error((2 * this.law.slower * setting.tcNu) / (y + before));
       this.curves.forEach((curve, i) => curve.extend((1 + error + [0, -bar, bar][i]) * (this.time - from), y));
     }
     this.stretchedAt = [this.time, y];
@@ -223,6 +270,7 @@ export class Simulation {
     return Math.sqrt((2 * sum) / n) / (2 * RADIUS);
   }
   private readonly unwrapped: Float64Array[] = [];
+  private readonly angles: Float64Array[] = [];
 
   private see(world: World): Seen {
     const { number, walls } = this.start.setting;
@@ -230,6 +278,9 @@ export class Simulation {
     const state = this.core.state(world);
     this.unwrapped[world] = state;
     const positions = new Float32Array(2 * number);
+    // The spin changes at contacts, of which there are few between two frames.
+    const turned = (this.angles[world] ??= new Float64Array(state.length - 4 * number));
+    turned.forEach((_, i) => (turned[i] += state[4 * number + i] * (this.time - this.before)));
     for (let i = 0; i < positions.length; i++)
       positions[i] = walls ? state[i] : state[i] - edge * Math.floor(state[i] / edge);
     const rows = this.core.log(world);
@@ -244,7 +295,8 @@ export class Simulation {
       touched,
       links: Int32Array.from(links),
       observed,
-      energy: 1 - observed.dissipated / this.initial,
+      energy: this.energyOf(observed),
+      angles: Float32Array.from(turned),
     };
   }
 

@@ -1,20 +1,30 @@
-// The worker of the gas: advances both simulations on request.
+// A worker of the gas: advances both simulations on request, or runs further starts.
 import { GasCore, World } from "./core";
 import type { Setting } from "./setting";
 import { Simulation, type FrameOf, type Sample, type Start } from "./simulation";
+import { StartRun, type OneStart } from "./starts";
 
 export type Ask =
   | { kind: "start"; setting: Setting }
   | { kind: "advance"; steps: number; until: number } // one frame, or as many as needed to reach a time [s]
-  | { kind: "log" };
+  | { kind: "log" }
+  | { kind: "starts"; setting: Setting; from: number; to: number }; // an answer for each
 export type Answer =
   | { kind: "start"; start: Start; frame: FrameOf; messages: string[] }
   | { kind: "advance"; samples: Sample[]; frame: FrameOf; late: boolean; ms: number } // late: the time is not reached
   | { kind: "log"; logs: [Float64Array, Float64Array]; states: [Float64Array, Float64Array] }
+  | { kind: "starts"; start: OneStart }
   | { kind: "error"; message: string };
+// A request with the module that it needs.
+export interface Request {
+  id: number;
+  ask: Ask;
+  module?: WebAssembly.Module;
+}
 
 const budget = 120; // longest time until an answer, so that the page can send another request [ms]
 const outcomes = 8;
+const slice = 8; // of a start, then a pause of the same length, so that the film stays smooth [ms]
 
 let module: WebAssembly.Module;
 let core: GasCore;
@@ -47,9 +57,9 @@ function advance(steps: number, until: number): Answer {
   return { kind: "advance", samples, frame, late, ms: performance.now() - begin };
 }
 
-function answer(ask: Ask): Answer {
+function answer(ask: Exclude<Ask, { kind: "starts" }>): Answer {
   if (ask.kind === "start") {
-    core = new GasCore(module);
+    core = new GasCore(module, ask.setting.friction > 0);
     simulation = new Simulation(core, ask.setting);
     frame = simulation.frame();
     return {
@@ -68,23 +78,45 @@ function answer(ask: Ask): Answer {
   };
 }
 
-self.onmessage = (event: MessageEvent<WebAssembly.Module | { id: number; ask: Ask }>): void => {
-  if (event.data instanceof WebAssembly.Module) {
-    module = event.data;
-    return;
-  }
-  const { id, ask } = event.data;
-  let reply: Answer;
+const post = (id: number, reply: Answer): void => (self as unknown as Worker).postMessage({ id, answer: reply });
+const failed = (error: unknown): Answer => ({
+  kind: "error",
+  message:
+    error instanceof Error && !(error instanceof WebAssembly.RuntimeError)
+      ? error.message
+      : "The core has stopped; start again or change a value.",
+});
+
+let timer = 0;
+// Runs one start after another, in slices; a new request replaces this one.
+function runStarts(id: number, { setting, from, to }: Extract<Ask, { kind: "starts" }>): void {
+  clearTimeout(timer);
+  core = new GasCore(module, setting.friction > 0);
+  let k = from;
+  let run: StartRun | null = null;
+  const go = (): void => {
+    try {
+      run ??= new StartRun(core, setting, k);
+      const start = run.advance(slice);
+      if (start) {
+        post(id, { kind: "starts", start });
+        run = null;
+        if (++k >= to) return;
+      }
+    } catch (error) {
+      return post(id, failed(error));
+    }
+    timer = setTimeout(go, slice);
+  };
+  go();
+}
+
+self.onmessage = ({ data: { id, ask, module: needed } }: MessageEvent<Request>): void => {
+  if (needed) module = needed;
   try {
-    reply = answer(ask);
+    if (ask.kind === "starts") runStarts(id, ask);
+    else post(id, answer(ask));
   } catch (error) {
-    reply = {
-      kind: "error",
-      message:
-        error instanceof Error && !(error instanceof WebAssembly.RuntimeError)
-          ? error.message
-          : "The core has stopped; start again or change a value.",
-    };
+    post(id, failed(error));
   }
-  (self as unknown as Worker).postMessage({ id, answer: reply });
 };

@@ -33,6 +33,7 @@ export class WorldView {
     g.clearRect(0, 0, width, height);
     this.drawDisks(start, seen, pixels, theme);
     this.disks.draw(g, left * ratio, top * ratio);
+    drawSpokes(g, start, seen, left, top, side, theme);
     drawLinks(g, start, seen, left, top, side, theme);
     const { walls } = start.setting;
     g.lineWidth = walls ? 4 : 1.5;
@@ -65,6 +66,35 @@ export class WorldView {
       }
     });
   }
+}
+
+// A radius of each disk that turns, as one path.
+function drawSpokes(
+  g: CanvasRenderingContext2D,
+  start: Start,
+  { positions, angles }: Seen,
+  left: number,
+  top: number,
+  side: number,
+  theme: GasTheme,
+): void {
+  if (angles.length === 0) return;
+  const scale = side / start.input.edge;
+  const r = RADIUS * scale;
+  g.save();
+  g.beginPath();
+  g.rect(left, top, side, side);
+  g.clip();
+  g.beginPath();
+  angles.forEach((angle, i) => {
+    const [x, y] = [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]];
+    g.moveTo(x, y);
+    g.lineTo(x + r * Math.cos(angle), y - r * Math.sin(angle));
+  });
+  g.lineWidth = Math.max(1, 0.16 * r);
+  g.strokeStyle = theme.ink;
+  g.stroke();
+  g.restore();
 }
 
 // Lines between the centres of disks whose contacts overlap in time.
