@@ -18,7 +18,11 @@ const common = {
 };
 // The licence of smol-toml stands in its code, those of the signals and of the QR codes do not.
 const licence = readFileSync("node_modules/@preact/signals-core/LICENSE", "utf8").trim();
-const qrLicence = { js: `/*! qr\n${readFileSync("node_modules/qr/LICENSE-MIT", "utf8").trim()}\n*/` };
+const qrLicence = {
+  js: `/*! qr\n${readFileSync("node_modules/qr/LICENSE-MIT", "utf8")
+    .trim()
+    .replace(/ \(https:[^)]*\)/, "")}\n*/`,
+};
 const footer = { js: `/*! @preact/signals-core\n${licence}\n*/` };
 await build({ ...common, footer, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
 await build({ ...common, footer: qrLicence, entryPoints: ["src/app/tools.ts"], outfile: `${out}/tools.js` });
