@@ -16,11 +16,16 @@ const common = {
   charset: "utf8",
   legalComments: "eof",
 };
-// The licence of smol-toml stands in its code, that of the signals does not.
+// The licence of smol-toml stands in its code, those of the signals and of the QR codes do not.
 const licence = readFileSync("node_modules/@preact/signals-core/LICENSE", "utf8").trim();
+const qrLicence = {
+  js: `/*! qr\n${readFileSync("node_modules/qr/LICENSE-MIT", "utf8")
+    .trim()
+    .replace(/ \(https:[^)]*\)/, "")}\n*/`,
+};
 const footer = { js: `/*! @preact/signals-core\n${licence}\n*/` };
 await build({ ...common, footer, entryPoints: ["src/app/main.ts"], outfile: `${out}/main.js` });
-await build({ ...common, entryPoints: ["src/app/tools.ts"], outfile: `${out}/tools.js` });
+await build({ ...common, footer: qrLicence, entryPoints: ["src/app/tools.ts"], outfile: `${out}/tools.js` });
 await build({ ...common, entryPoints: ["src/core/first.ts"], format: "iife", outfile: `${out}/first.js` });
 await build({ ...common, entryPoints: ["src/core/worker.ts"], outfile: `${out}/worker.js` });
 await build({ ...common, entryPoints: ["src/gas/main.ts"], outfile: `${out}/gas.js` });

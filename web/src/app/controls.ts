@@ -1,6 +1,6 @@
 // The controls: a slider and a text field for every number.
 import { setText, Sheet } from "../support/dom";
-import { parse, sub, withUnit } from "../support/format";
+import { digits, parse, sub, withUnit } from "../support/format";
 import {
   clampTo,
   constantAt,
@@ -19,6 +19,7 @@ import {
   type Range,
   type Scenario,
 } from "../scenario/scenario";
+import { ballById, measuredBalls, measuredLike, typical } from "../scenario/measured";
 import { capital, labelOf, parameterOfColumn } from "../scenario/tables";
 import { fromSlider, steps, toSlider } from "../scenario/slider";
 import { touchable } from "../support/touch";
@@ -180,6 +181,7 @@ export class Controls {
         this.list.push(c);
         group.append(c.element);
       };
+      inside(this.once(`kind${i}`, () => this.kind(i)));
       const name = sub(i + 1);
       inside(
         this.number(
@@ -221,6 +223,26 @@ export class Controls {
     const known = this.controls.get(key) ?? make();
     this.controls.set(key, known);
     return known;
+  }
+
+  // A ball of the list below, with the middle of what its rules allow. Its ε and stiffness belong to contacts.
+  private kind(i: number): Control {
+    const element = document.createElement("label");
+    element.className = "own";
+    const select = Object.assign(document.createElement("select"), { id: `kind${i + 1}` });
+    select.append(new Option("own values", ""), ...measuredBalls.map((b) => new Option(b.name, b.id)));
+    element.append("Ball", select);
+    select.addEventListener("change", () => {
+      if (!select.value) return;
+      const { name, by, restitution } = ballById(select.value);
+      const { radius, mass } = typical(select.value);
+      const [low, high] = restitution.map((e) => digits(e, 2));
+      this.edit((s) => (s.balls[i] = { radius, density: densityFor(mass, radius) }), element, [
+        `${name} (${by}): radius and mass in the middle of its rules; alone it has ε = ${low} to ${high}; ε and stiffness stay`,
+      ]);
+    });
+    const refresh = (): void => void (select.value = measuredLike(this.scenario.balls[i])?.id ?? "");
+    return { element, refresh };
   }
 
   private density(i: number): Control {

@@ -22,6 +22,7 @@ import { settingOf } from "../scenario/link";
 import { listenMenu } from "./menu";
 import { Past } from "../state/past";
 import { Headline } from "./headline";
+import { SoundSwitch } from "./share";
 import { Progress } from "./progress";
 import { compiled } from "../support/script";
 import { Drawing } from "../state/signals";
@@ -66,6 +67,7 @@ class Page {
   private early = 0; // timer for showing a part of a result
   private maps: Promise<WebAssembly.Module> | null = null; // the core with the functions for plots and maps
   private readonly past: Past;
+  private readonly sound: SoundSwitch;
 
   constructor() {
     hold();
@@ -110,6 +112,7 @@ class Page {
       },
       note: (notes) => this.note(notes),
     });
+    this.sound = new SoundSwitch(state);
     this.frame(performance.now());
   }
 
@@ -417,6 +420,7 @@ class Page {
     if (this.requested !== state.revision && this.solve()) return;
     if (now - this.written >= Sheet.often) this.write();
     if (state.drop && state.playing && this.presenter.plays) this.film.advance(passed);
+    this.sound.follow();
     if (state.drop) this.draw(now);
     this.presenter.frame(now);
   };

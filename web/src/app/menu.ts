@@ -3,8 +3,8 @@ import type { Pool } from "../core/pool";
 import type { Scenario } from "../scenario/scenario";
 import { fromToml } from "../scenario/toml";
 import { find } from "../support/dom";
-import { copyText, tell } from "../support/output";
 import { listenExports, type Plots } from "./exports";
+import { listenShare } from "./share";
 import type { State } from "../state/state";
 
 export interface MenuActions {
@@ -15,11 +15,7 @@ export interface MenuActions {
 
 export function listenMenu(state: State, pool: Pool, plots: Plots, act: MenuActions): void {
   listenExports(state, pool, plots);
-  const copy = find("copy");
-  copy.addEventListener("click", () => {
-    history.replaceState(null, "", state.link());
-    void copyText(state.link()).then((done) => tell(copy, done ? "Copied" : "In address bar"));
-  });
+  listenShare(state);
   const menus = [...document.querySelectorAll<HTMLDetailsElement>("details.menu")];
   for (const menu of menus)
     menu.addEventListener("toggle", () => {

@@ -16,6 +16,7 @@ export class Frames {
 
   // `names`: panels shown alone; mode null: the whole page.
   show(mode: Mode | null, names: PanelName[]): void {
+    if (mode !== this.mode && mode !== "story") scrollTo(0, 0); // they open at their top
     this.mode = mode;
     Sheet.inStory = mode === "story";
     const root = document.documentElement;
