@@ -272,9 +272,11 @@ export async function agrees(python, report, worlds) {
   const stopped = answer.outcomes[0] !== "ok";
   const verdict = failed(1, answer.outcomes[1] !== "ok")
     ? "newton-stopped"
-    : failed(0, stopped)
-      ? "stopped"
-      : answer.starts.verdict;
+    : (stopped && answer.outcomes[0] !== "collapse") || starts.some(({ outcomes }) => ![0, 4].includes(outcomes[0]))
+      ? "unfinished"
+      : failed(0, stopped)
+        ? "stopped"
+        : answer.starts.verdict;
   if (verdict !== null) assert.equal(said.verdict, verdict, what);
   // The law is about cooling; with friction about the rule constant and restitutions of its table.
   const lawSays = answer.elastic

@@ -170,6 +170,8 @@ const measuredWithFriction: Record<string, string> = {
   ε: "at ε from 0.7 to 0.95",
 };
 
+const collapse = 4; // outcome
+
 const tables: Record<string, Row<Facts>[]> = {
   verdict: [
     [
@@ -186,6 +188,11 @@ const tables: Record<string, Row<Facts>[]> = {
       (_, { failed, starts }) =>
         `Cannot be said: Newton’s world could not go on ${Number(failed) > 0 ? `in ${failed} of ${starts} starts` : "in the film"}.`,
       (f) => ({ failed: failures(f.starts, 1), starts: f.starts.length }),
+    ],
+    [
+      "unfinished",
+      (f) => [f.hard.outcome, ...f.starts.map(({ outcomes }) => outcomes[0])].some((x) => x !== 0 && x !== collapse),
+      () => "Cannot be said: an event-driven run could not go on, and not by a collapse.",
     ],
     [
       "stopped",
@@ -283,7 +290,7 @@ const tables: Record<string, Row<Facts>[]> = {
   hard: [
     [
       "collapse",
-      ({ hard }) => hard.outcome === 4,
+      ({ hard }) => hard.outcome === collapse,
       (_, { time }) =>
         `In the film the event-driven world stopped at ${time}: an inelastic collapse, infinitely many collisions in a finite ` +
         `time. ` +
