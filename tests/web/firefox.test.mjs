@@ -70,8 +70,11 @@ test("the story is scrolled with the keys, and its pictures are drawn", async (t
       });
     if (step === "map") await mapDone(page);
     await page.waitForTimeout(200);
-    for (const id of await page.$$eval(`.chapter[data-step="${step}"] canvas`, (list) => list.map((x) => x.id)))
+    for (const id of await page.$$eval(`.chapter[data-step="${step}"] canvas`, (list) => list.map((x) => x.id))) {
+      await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+      await page.waitForTimeout(100);
       assert.ok((await colours(page, id)) > 10, `${step}: ${id} is drawn`);
+    }
     await shoot(page, `firefox-${step}`);
   }
   await accessible(page, "the story");

@@ -43,7 +43,7 @@ export class ContactSteps {
     textSize: () => number,
   ) {
     const size = (sheet: Sheet): number => Math.min(textSize(), sheet.width / 24);
-    const shown = (sheet: Sheet): boolean => sheet.width >= 40 && sheet.seen;
+    const shown = (sheet: Sheet): boolean => sheet.width >= 40 && sheet.shown();
     for (const slider of sliders) this.listen(slider);
     this.drawings = [
       state.drawing(() => {
