@@ -53,7 +53,7 @@ def get(address: Address, path: str, method: str = "GET") -> tuple[int, http.cli
 def test_every_file_is_served_with_its_type_and_the_policy(address: tuple[str, int]) -> None:
     files = server.page_files()
     code = {"index.html", "first.js", "main.js", "tools.js", "worker.js", "style.css", "icon.svg"}
-    gas = {"gas.html", "gas.js", "gas_worker.js", "gas.css", "gas.wasm"}
+    gas = {"gas.html", "gas.js", "gas_worker.js", "gas.css", "gas.wasm", "gas_friction.wasm"}
     assert set(files) == code | gas | {"core.wasm", "maps.wasm"}
     for name, content in files.items():
         status, headers, body = get(address, f"/{name}")
