@@ -305,8 +305,12 @@ static law::ErrorLaw law_made(double packing_fraction, double restitution, int r
     if (bar > 0.0) made.coefficient_error = wider * hl::math::sqrt(own * own + bar * bar);
     return made;
 }
-// D 2^D φ χ
-double law_density(double packing_fraction) { return law::fluid(2, packing_fraction).density(); }
+// D 2^D φ χ, and the slope s of the pair correlation at contact.
+double* law_fluid(double packing_fraction) {
+    const auto fluid = law::fluid(2, packing_fraction);
+    gas().out = {fluid.density(), fluid.slope};
+    return gas().out.data();
+}
 // Returns a, its standard error and 2k.
 double* law_of_error(double packing_fraction, double restitution, int rule, double added, double bar,
                      double wider) {

@@ -29,7 +29,7 @@ drop="column_buffer reply_buffer scratch solve contacts_of row_size sample rebou
 module core.wasm ../bindings/wasm.cpp $drop
 module maps.wasm ../bindings/wasm.cpp $drop agreement_gaps scan_points scan_timeline
 gas="gas_setting gas_fields gas_place gas_heat gas_duration gas_compression gas_deepest gas_start gas_advance gas_observe
-    gas_state gas_take_log gas_log gas_outcome gas_rule law_rate law_density law_of_error law_errors law_largest law_measured"
+    gas_state gas_take_log gas_log gas_outcome gas_rule law_rate law_fluid law_of_error law_errors law_largest law_measured"
 # Smooth disks; those with friction, loaded when they are chosen.
 size=-Oz module gas.wasm ../bindings/wasm_gas.cpp $gas
 size=-Oz flags=-DHARDLIMIT_GAS_RUBS module gas_friction.wasm ../bindings/wasm_gas.cpp $gas

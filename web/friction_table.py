@@ -19,7 +19,8 @@ RATIO = [0.2, 2 / 7, 0.36, 0.45, 0.6, 0.72, 0.85, 1.02, 1.2]
 
 
 def row(restitution: float, coefficient: float, ratio: float) -> list[float]:
-    """Changes of a: of its part without and of that with 1/(D 2^D φ χ); energy in tangential springs; mean T_r/T."""
+    """Changes of a by the energy in contacts, of a D 2^D φ χ by their turn, of a D 2^D φ χ/s by pressure; the energy in
+    tangential springs; mean T_r/T."""
     law = LinearDashpot(
         stiffness=1.0, restitution=restitution, friction=Friction(coefficient, stiffness_ratio=ratio)
     )
@@ -27,7 +28,9 @@ def row(restitution: float, coefficient: float, ratio: float) -> list[float]:
     terms = frictional_error.terms(setting, *error_law.LINEAR, error_law.DELAYED)
     smooth = 0.75 - error_law.DELAYED * (1.0 - restitution**2)
     turn = (DIMENSION - 1) * error_law.LINEAR.mean_compression
-    numbers = terms.energy - smooth / DIMENSION, terms.turn - turn, terms.spring, terms.temperature_ratio
+    pressure = terms.pressure + error_law.LINEAR.mean_compression
+    energy = terms.energy - smooth / DIMENSION
+    numbers = energy, terms.turn - turn, pressure, terms.spring, terms.temperature_ratio
     return [float(f"{number:.4g}") for number in numbers]
 
 
@@ -37,6 +40,7 @@ if __name__ == "__main__":
         "coefficient": COEFFICIENT,
         "ratio": [round(x, 4) for x in RATIO],
         "third": frictional_error.THIRD[0],
+        "bar": frictional_error.BAR,
         "measured": dict(zip(("μ", "ρ", "γ", "ε"), frictional_error.MEASURED.values(), strict=True)),
         "rows": [row(e, mu, k) for e in RESTITUTION for mu in COEFFICIENT for k in RATIO],
     }

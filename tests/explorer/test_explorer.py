@@ -5,6 +5,7 @@ import http.client
 import json
 import math
 import re
+import runpy
 import shutil
 import socket
 import struct
@@ -252,3 +253,17 @@ def test_golden_values_are_those_of_the_package() -> None:
 def test_golden_values_are_current(tmp_path: Path) -> None:
     subprocess.run([ROOT / "tests" / "web" / "golden.sh", tmp_path / "golden.json"], check=True)
     assert (tmp_path / "golden.json").read_text() == GOLDEN.read_text()
+
+
+def test_the_table_of_the_gas_is_of_the_present_theory_of_friction() -> None:
+    """After a change of the theory, `python web/friction_table.py` and `web/build.sh` renew it."""
+    program = runpy.run_path(str(ROOT / "web/friction_table.py"))
+    table = json.loads((ROOT / "web/src/gas/friction_table.json").read_text(encoding="utf-8"))
+    theory = program["frictional_error"]
+    assert table["third"] == theory.THIRD[0] and tuple(table["bar"]) == theory.BAR
+    axes = [program[name] for name in ("RESTITUTION", "COEFFICIENT", "RATIO")]
+    place = [2, 4, 6]
+    index = (place[0] * len(axes[1]) + place[1]) * len(axes[2]) + place[2]
+    row = program["row"](*(axis[i] for axis, i in zip(axes, place, strict=True)))
+    assert table["rows"][index] == pytest.approx(row, rel=1e-3)
+    assert len(table["rows"]) == math.prod(map(len, axes))

@@ -69,6 +69,8 @@ LAWS: Final[Mapping[tuple[int, int], Callable[..., Law]]] = MappingProxyType(
 #: By dimension − 2: coefficients b0 and b1 of the effect of third particles, (b0 + b1 φ) S, where S is the mean energy
 #: in the tangential spring over the loss of a collision. A fit to the measurement.
 THIRD: Final = ((1.0, 0.65), (0.78, 0.37))
+#: Standard error of a by friction: constant, in proportion to 1 − ε², and shares of turn, pressure and third particles.
+BAR: Final = (0.02, 0.04, 0.05, 0.1, 0.1)
 #: Ranges in which the law was measured.
 MEASURED: Final = MappingProxyType(
     {
@@ -184,7 +186,9 @@ def third_particles(dimension: int, phi: float, spring: float) -> float:
 
 def bar(x: float, turn: float, pressure: float, third: float) -> float:
     """Standard error of the change of a by friction, from the residuals of the measurement; x = 1 − ε²."""
-    return math.hypot(0.02 + 0.04 * x, 0.05 * turn, 0.1 * pressure, 0.1 * third)
+    constant, growing, *shares = BAR
+    parts = zip(shares, (turn, pressure, third), strict=True)
+    return math.hypot(constant + growing * x, *(share * part for share, part in parts))
 
 
 class Turned(NamedTuple):

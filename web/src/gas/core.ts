@@ -17,7 +17,7 @@ interface Exports {
   gas_outcome(outcome: number): number;
   gas_rule(index: number): number;
   law_rate(phi: number, diameter: number, temperature: number): number;
-  law_density(phi: number): number;
+  law_fluid(phi: number): number;
   law_of_error(phi: number, restitution: number, rule: number, ...added: Added): number;
   law_errors(phi: number, restitution: number, rule: number, ...rest: [...Added, tcNu: number]): number;
   law_largest(phi: number, restitution: number, rule: number, ...rest: [...Added, error: number]): number;
@@ -209,8 +209,10 @@ export class GasCore {
     return this.wasm.law_rate(phi, diameter, temperature);
   }
   // D 2^D φ χ
-  density(phi: number): number {
-    return this.wasm.law_density(phi);
+  // D 2^D φ χ, and the slope s of the pair correlation at contact.
+  fluid(phi: number): { density: number; slope: number } {
+    const [density, slope] = this.values(this.wasm.law_fluid(phi), 2);
+    return { density, slope };
   }
   law(phi: number, restitution: number, rule: string, added = nothing): ErrorLaw {
     const [coefficient, coefficientError, decay] = this.values(

@@ -27,7 +27,7 @@ function row(restitution: number, coefficient: number, ratio: number): number[] 
     [restitution, coefficient, ratio],
   ];
   const places = axes.map((axis, i) => place(axis, at[i]));
-  const sum = [0, 0, 0, 0];
+  const sum = table.rows[0].map(() => 0);
   for (let corner = 0; corner < 8; corner++) {
     let [index, weight] = [0, 1];
     places.forEach(([k, w], i) => {
@@ -60,12 +60,15 @@ function byFriction(core: GasCore, setting: Setting): Omit<Law, "error"> {
   const { phi, restitution, friction, stiffnessRatio } = setting;
   const weakest = table.coefficient[0]; // below it the terms are in proportion to μ
   const weak = Math.min(friction / weakest, 1);
-  const [energy, turn, spring, ratio] = row(restitution, Math.max(friction, weakest), stiffnessRatio);
+  const [energy, turned, pressed, spring, ratio] = row(restitution, Math.max(friction, weakest), stiffnessRatio);
   const decay = (e: number): number => core.law(phi, e, "tc").decay;
-  const density = core.density(phi);
-  const third = (table.third[0] + table.third[1] * phi) * spring ** 2;
-  const coefficient = weak * Math.sqrt(decay(restitution) / decay(1)) * (energy + turn / density - third);
-  const bar = weak * Math.hypot(0.03 + 0.08 * (1 - restitution ** 2), (0.05 * turn) / density, 0.25 * third);
+  const { density, slope } = core.fluid(phi);
+  const parts = [turned / density, (slope * pressed) / density, -(table.third[0] + table.third[1] * phi) * spring];
+  const change = parts.reduce((sum, part) => sum + part, energy);
+  const coefficient = weak * Math.sqrt(decay(restitution) / decay(1)) * change;
+  const [constant, growing, ...shares] = table.bar;
+  const x = 1 - restitution ** 2;
+  const bar = weak * Math.hypot(constant + growing * x, ...parts.map((part, i) => shares[i] * part));
   const { wider, outside } = beyond({ μ: friction, ρ: (1 + 1 / INERTIA) * stiffnessRatio, ε: restitution });
   return { known: true, added: [coefficient, bar, wider], outside, slower: Math.sqrt(1.5 / (1 + 0.5 * ratio)) };
 }
