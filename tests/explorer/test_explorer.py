@@ -260,7 +260,7 @@ def test_the_table_of_the_gas_is_of_the_present_theory_of_friction() -> None:
     program = runpy.run_path(str(ROOT / "web/friction_table.py"))
     table = json.loads((ROOT / "web/src/gas/friction_table.json").read_text(encoding="utf-8"))
     theory = program["frictional_error"]
-    assert table["third"] == theory.THIRD[0] and tuple(table["bar"]) == theory.BAR
+    assert (*table["third"], *table["bar"]) == (*theory.THIRD[0], *theory.BAR)
     axes = [program[name] for name in ("RESTITUTION", "COEFFICIENT", "RATIO")]
     place = [2, 4, 6]
     index = (place[0] * len(axes[1]) + place[1]) * len(axes[2]) + place[2]
