@@ -255,6 +255,7 @@ def test_golden_values_are_current(tmp_path: Path) -> None:
     assert (tmp_path / "golden.json").read_text() == GOLDEN.read_text()
 
 
+@pytest.mark.slow
 def test_the_table_of_the_gas_is_of_the_present_theory_of_friction() -> None:
     """After a change of the theory, `python web/friction_table.py` and `web/build.sh` renew it."""
     program = runpy.run_path(str(ROOT / "web/friction_table.py"))
