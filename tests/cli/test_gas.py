@@ -8,6 +8,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -25,7 +26,7 @@ from hardlimit.boxes import checkpoint, files
 from hardlimit.boxes.result import NEWTON_OUTCOMES
 from hardlimit.cli.gas import gas
 from hardlimit.cli.gas_job import GLASS_BEADS
-from hardlimit.cli.program import Terminated, in_options
+from hardlimit.cli.program import Terminated, in_options, terminating_signals
 from hardlimit.support import saving
 from legible import assert_legible, assert_moves, coloured
 
@@ -474,6 +475,26 @@ def ended_by(number: int, arguments: Sequence[object], checkpoint: Path, writes:
 
 def stamp(path: Path) -> int:
     return path.stat().st_mtime_ns if path.exists() else 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_in_a_destructor_ends_the_command_after_it(name: str) -> None:
+    """Python would drop what is raised in it, and the command would go on."""
+    number, ends = getattr(signal, name), []
+
+    class File:
+        def close(self) -> None:
+            signal.raise_signal(number)
+            ends.append(time.monotonic())
+
+        def __del__(self) -> None:
+            self.close()
+
+    with pytest.raises(KeyboardInterrupt), terminating_signals():
+        File()
+        time.sleep(3.0)
+    assert len(ends) == 1 and time.monotonic() - ends[0] < 2.0
 
 
 @pytest.mark.slow

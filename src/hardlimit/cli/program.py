@@ -43,6 +43,8 @@ FAILURE = 1
 BAD_INPUT = 2
 #: Schedulers may send a signal to all processes and through their parents: time in which it counts as one [s].
 REPEATED = 1.0
+#: Time after which a signal is tried again that comes while a destructor runs [s].
+LATER = 0.01
 
 
 class Program(click.Group):
@@ -254,7 +256,10 @@ class Terminated(KeyboardInterrupt):
 
 @contextlib.contextmanager
 def terminating_signals() -> Iterator[None]:
-    """Raise :class:`Terminated` at the signals that end a job, unless they are ignored, as under nohup."""
+    """Raise :class:`Terminated` at the signals that end a job, unless they are ignored, as under nohup.
+
+    These and Ctrl-C wait for destructors: Python drops what is raised in one.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -262,18 +267,45 @@ def terminating_signals() -> Iterator[None]:
 
     def terminate(number: int, frame: FrameType | None) -> None:
         nonlocal last
+        if _destroys(frame):
+            threading.Timer(LATER, _signal_again, [number]).start()
+            return
+        if number == signal.SIGINT:
+            raise KeyboardInterrupt
         before, last = last, clock.monotonic()
         if last - before > REPEATED:
             raise Terminated(number)
 
-    numbers = [number for number in machine.TERMINATING if signal.getsignal(number) == signal.SIG_DFL]
-    for number in numbers:
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *machine.TERMINATING)}
+    default = {signal.SIGINT: signal.default_int_handler}
+    replaced = {
+        number: handler
+        for number, handler in handlers.items()
+        if handler == default.get(number, signal.SIG_DFL)
+    }
+    for number in replaced:
         signal.signal(number, terminate)
     try:
         yield
     finally:
-        for number in numbers:
-            signal.signal(number, signal.SIG_DFL)
+        for number, handler in replaced.items():
+            signal.signal(number, handler)
+
+
+def _signal_again(number: int) -> None:
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    else:  # the main thread, which may be waiting
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def _destroys(frame: FrameType | None) -> bool:
+    """Whether a destructor runs."""
+    while frame is not None:
+        if frame.f_code.co_name == "__del__":
+            return True
+        frame = frame.f_back
+    return False
 
 
 @contextlib.contextmanager
