@@ -7,8 +7,6 @@ shear rate, by a line through the velocities over the depth, and the pressure in
 inertial number follows. Requires LAMMPS, ``liggghts`` and ``yade``; rows of a missing code stay.
 """
 
-import argparse
-import csv
 import itertools
 import math
 import re
@@ -19,6 +17,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
+import recorded
 import scipy
 from verify_states import CODES, Lammps, Script
 
@@ -193,16 +192,8 @@ COLUMNS: Final = ("script", "version", "gamma", "strength", "shear_rate", "press
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--only", default="", help="only scripts whose name contains this")
-    arguments = parser.parse_args()
-    rows: dict[str, dict[str, str]] = {}
-    if arguments.file.exists():
-        with arguments.file.open(encoding="utf-8") as file:
-            rows = {row["script"]: dict(row) for row in csv.DictReader(file)}
+    arguments = recorded.arguments(__doc__)
+    rows = recorded.rows_of(arguments.file)
     for motion in MOTIONS:
         kind = motion.name.split("_")[0]
         if arguments.only not in motion.name or (kind != "lammps" and not shutil.which(kind)):
@@ -212,10 +203,7 @@ def main() -> None:
             values = {name: f"{value:.4g}" for name, value in motion.measure(code).items()}
             rows[motion.name] = {"script": motion.name, "version": code.version(), **values}
             print(rows[motion.name], flush=True)
-        with arguments.file.open("w", newline="", encoding="utf-8") as file:
-            written = csv.DictWriter(file, COLUMNS, restval="", lineterminator="\n")
-            written.writeheader()
-            written.writerows(rows[each.name] for each in MOTIONS if each.name in rows)
+        recorded.write(arguments.file, COLUMNS, (rows[each.name] for each in MOTIONS if each.name in rows))
 
 
 if __name__ == "__main__":

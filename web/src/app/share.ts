@@ -31,7 +31,7 @@ function show(title: string, ...content: (Node | string)[]): void {
 const paragraph = (textContent: string, className = ""): HTMLElement =>
   Object.assign(document.createElement("p"), { textContent, className });
 
-// A link to this computer is of no use to others.
+// Others cannot open a link to this computer.
 async function warning(link: string): Promise<HTMLElement[]> {
   const { isLocal } = await tools();
   return isLocal(link)
