@@ -276,7 +276,7 @@ def _bare(text: str) -> str:
 def legend(f: Fidelity) -> str:
     """Meaning of the marks in the table."""
     return (
-        f"± standard error. Bars: {f.bars}. * significant: outside its bars. "
+        f"± standard error. Bars: {f.bars}. * significant: outside its bars, by chance one in a hundred. "
         f"? not resolved: bars over {percent(f.resolution)}."
     )
 
