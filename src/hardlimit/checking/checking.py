@@ -996,7 +996,7 @@ def _of_law(
     resting: Sequence[Finding] = (),
     question: answer.Question | None = None,
     support: drive.Support = NO_SUPPORT,
-    bed: tuple[float, float] | None = None,
+    bed: dumps.Bed | None = None,
     kinds: tuple[mixture.Kind, ...] = (),
 ) -> Verdict:
     supposed = question is None  # a ball, and a wall that need not be there
