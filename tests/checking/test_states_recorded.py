@@ -16,6 +16,7 @@ MOTIONS = {row["script"]: row for row in table("script_motions")}
 UNEQUAL = {
     "lammps_settled_hertz": 1.7,
     "lammps_two_sizes": 1.25,
+    "lammps_hertz_sizes": 1.25,
     "liggghts_three_sizes": 1.2,
     "lammps_hopper_loop": 1.15,
     "yade_triaxial": 1.15,
@@ -25,6 +26,7 @@ UNEQUAL = {
 OVERLAPS = {
     "lammps_settled_bed": 0.07,
     "lammps_two_sizes": 0.05,
+    "lammps_hertz_sizes": 0.05,
     "liggghts_settled_bed": 0.05,
     "liggghts_three_sizes": 0.05,
     "yade_triaxial": 0.11,
