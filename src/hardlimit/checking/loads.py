@@ -13,7 +13,7 @@ from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
-from . import dumps, mixture
+from . import dumps, flows, mixture
 from .at_rest import PACKINGS, PRESSED, Load, Packing, weight
 from .contacts import Case
 from .drive import Support
@@ -106,8 +106,8 @@ def load_of(
         return Load("shaken", gravity=stage.gravity, shaking=support.shaking, frequency=frequency)
     if lasting is False or not (pressed or rests or lasting):
         return Load("gas")
-    flows = rate is not None or (support.moves and support.shaking is None)
-    name = "flow" if flows else "pressed" if pressed or not rests else "rest"
+    driven = rate is not None or (support.moves and support.shaking is None)
+    name = "flow" if driven else "pressed" if pressed or not rests else "rest"
     kinds = _kinds(stage, around)
     load = Load(
         name,
@@ -120,7 +120,8 @@ def load_of(
     )
     load = replace(load, **_pressure(stage, options, around, pressed))
     if stage.gravity and stage.down:
-        load = replace(load, tilt=math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0))))
+        tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
+        load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt))
     settled = name == "rest" or load.weight or around.packing != PACKINGS[3, True]
     return load if settled else replace(load, packing=PRESSED)
 
