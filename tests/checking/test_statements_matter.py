@@ -40,7 +40,7 @@ INERT = {
     r"|^lattice sc «",
     "how they are inserted": r"^fix \w+ all (pour \S+ \S+ «|pour .* (vol|«vol)|insert/\S+ .*«)|«?particledist\S+ .*",
     "random numbers": r"particletemplate/sphere «|\bseed=?«|\b«?seed»?=",
-    "how fast they start": r"^«?velocity|state\.vel =|^«?(variable speed|g, height)\b",
+    "how fast they start": r"^«?velocity|state\.vel =|^«?(variable (speed|deep|inside|vx)|g, height)\b",
     "the place and size of walls": r"plane .*«|(region|cylinder) .*«|scale»|scale «|mesh/surface .*«",
     "words that mean nothing to the code, or their default": r"«(atom_type|particletemplate/sphere)»|^«dimension 3»",
     "the sign of a direction alone": r"gravity \S+ vector .*«1(\.0)?»",

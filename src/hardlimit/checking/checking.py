@@ -57,7 +57,6 @@ NO_LOAD, NO_SUPPORT = loads.LoadOptions(), drive.Support(False, False)
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
 RESTS: Final = "grains rest on each other under gravity"
-FLOWS: Final = "grains flow in lasting contact under gravity"
 RESTS_OR_FLOWS: Final = "grains rest or flow in lasting contact under gravity"
 FEW_REST: Final[dict[float | None, str]] = {
     1.0: "the grain comes to rest under gravity",
@@ -607,7 +606,7 @@ def _held_together(grains: GrainState, options: Options, lasting: Iterable[Findi
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
         yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
     slides = grains.slope_inertial_number is not None and grains.slope_inertial_number[0] > 0.0
-    moves = FLOWS if grains.name == "flow" else RESTS_OR_FLOWS if slides else RESTS
+    moves = RESTS_OR_FLOWS if grains.name == "flow" or slides else RESTS
     for finding in findings:
         yield finding._replace(what=finding.what.replace(RESTS, moves))
 
