@@ -37,7 +37,7 @@ INERT = {
     "output": r"^«?(thermo|fix_modify|compute|dump|print)\b|^«(plot\.|O\.(saveTmp|pause)|O\.run\(1000)",
     "how the program runs": r"^«?(neighbor|neigh_modify|comm_modify|communicate|newton|atom_modify)\b",
     "where grains are": r"^«?(region|boundary|create_box|atom_style)\b|^create_atoms \d+ (random \S+ |single ).*«"
-    r"|^lattice sc «",
+    r"|^lattice (sc «|sq \S+ origin .*«)",
     "how they are inserted": r"^fix \w+ all (pour \S+ \S+ «|pour .* (vol|«vol)|insert/\S+ .*«)|«?particledist\S+ .*",
     "random numbers": r"particletemplate/sphere «|\bseed=?«|\b«?seed»?=",
     "how fast they start": r"^«?velocity|state\.vel =|^«?(variable (speed|deep|inside|vx)|g, height)\b",
