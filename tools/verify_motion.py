@@ -136,16 +136,16 @@ def profile(depth: np.ndarray, speed: np.ndarray, ends: tuple[float, float]) -> 
 
 def chute_in_lammps(code: Lammps) -> dict[str, float]:
     """Mean of the last frames; the middle of the layer, in ``lj`` units: g = 1, d = 1, the density is 1."""
-    code.run(
-        code.text.replace("run 100000", "dump last flow custom 2000 last.dump x y z vx mass\nrun 400000")
-    )
+    rough = "rough" in code.script.name
+    end, steps, area = ("run 240000", 240000, 48.0) if rough else ("run 100000", 400000, 50.0)
+    code.run(code.text.replace(end, f"dump last flow custom 2000 last.dump x y z vx mass\nrun {steps}"))
     last = frames(code.folder / "last.dump")[-50:]
     rows = np.concatenate([rows for _, rows in last])
     top, bottom = float(np.quantile(rows[:, 2], 0.98)), float(rows[:, 2].min())
     middle, reach = 0.5 * (top + bottom), 0.25 * (top - bottom)
     rate = profile(rows[:, 2], rows[:, 3], (middle - reach, middle + reach))
     above = rows[rows[:, 2] > middle, 4].sum() / len(last)
-    pressure = above * math.cos(math.radians(24.0)) / 50.0
+    pressure = above * math.cos(math.radians(24.0)) / area
     return {"shear_rate": rate, "pressure": pressure, "inertial_number": rate / math.sqrt(pressure)}
 
 
@@ -186,6 +186,7 @@ MOTIONS: Final = (
     Motion("liggghts_shaken_plate", plate_in_liggghts),
     Motion("yade_shaken_bed", plate_in_yade),
     Motion("lammps_chute", chute_in_lammps),
+    Motion("lammps_rough_chute", chute_in_lammps),
     Motion("lammps_turning_drum", drum_in_lammps),
 )
 COLUMNS: Final = ("script", "version", "gamma", "strength", "shear_rate", "pressure", "inertial_number")

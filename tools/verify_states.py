@@ -44,15 +44,18 @@ class Script(NamedTuple):
     growth: float = (
         3.0  #: of the kinetic energy in an unstable trial: a quiet bed is stirred a little by the restart
     )
+    cone: bool = False  #: whether walls carry so much that the pressure is in proportion to the depth
 
 
 SETTLED: Final = (
     Script("lammps_settled_bed", 1e-5, sides=(0.012, 0.012)),
     Script("lammps_settled_hertz", 1e-5, 2 / 3, (0.018, 0.018)),
     Script("lammps_two_sizes", 8e-6, sides=(0.02, 0.02), growth=10.0),
-    Script("lammps_hopper_loop", 4e-6),
+    Script("lammps_hertz_sizes", 8e-6, 2 / 3, (0.02, 0.02), 10.0),
+    Script("lammps_hopper_loop", 4e-6, cone=True),
     Script("liggghts_settled_bed", 2e-5, 2 / 3, (0.012, 0.012)),
     Script("liggghts_three_sizes", 1e-5, 2 / 3, (0.02, 0.02), 10.0),
+    Script("liggghts_ring_shear", 1e-6, sides=(0.02, 0.01)),
     Script("yade_triaxial", 1e-7),
 )
 
@@ -232,7 +235,7 @@ def largest_stable(is_stable: Callable[[float], bool], start: float) -> float:
     return (low * high) ** 0.5
 
 
-def overlaps(state: State, power: float) -> dict[str, float]:
+def overlaps(state: State, script: Script) -> dict[str, float]:
     """Height of the bed, contacts of a grain, and mean overlap over the radius at the pressure of the bottom."""
     x, r = state.positions.copy(), state.radius
     box = np.array([side or 1e3 for side in state.box])
@@ -248,8 +251,9 @@ def overlaps(state: State, power: float) -> dict[str, float]:
         weight = np.ones(len(pairs))
     else:
         at = 0.5 * (z[i] + z[j])
-        above = np.array([state.mass[z > height].sum() for height in at])
-        weight = (state.mass.sum() / np.maximum(above, 1e-300)) ** power
+        above = np.array([top - height if script.cone else state.mass[z > height].sum() for height in at])
+        whole = top - float((z - r).min()) if script.cone else state.mass.sum()
+        weight = (whole / np.maximum(above, 1e-300)) ** script.power
         touching &= (at > 2.0 * r.max()) & (at < top - 6.0 * r.max())
     return {
         "grains": len(r),
@@ -283,7 +287,7 @@ def main() -> None:
             code = CODES[kind](script, Path(folder))
             state = code.settle()
             write_dump(state, SCRIPTS / f"{script.name}.dump.gz")
-            numbers = overlaps(state, script.power)
+            numbers = overlaps(state, script)
             print(script.name, numbers, flush=True)
             step = largest_stable(lambda h, code=code: stable(code, h), script.start)  # type: ignore[misc]
             values = {name: f"{value:.4g}" for name, value in numbers.items()}

@@ -228,3 +228,19 @@ def test_a_dump_of_disks_needs_no_third_column(scaled, tmp_path):
     state = dumps.state(dumps.read(written(tmp_path, text(disks, columns, scaled=scaled)))[0], {}, 2)
     assert state.temperature == pytest.approx(disks.granular_temperature, rel=1e-9)
     assert state.packing_fraction == pytest.approx(0.3) and state.coordination == 0.0
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.25])
+@pytest.mark.parametrize("down", [-1.0, 1.0])
+def test_the_column_in_a_round_box_is_weighed(slope, down, tmp_path):
+    """A cylinder and a cone do not fill the corners of the box around them, and a cone has fewer grains below."""
+    points = np.random.default_rng(5).uniform((-0.01, -0.01, 0.0), (0.01, 0.01, 0.02), (6000, 3))
+    points = points[np.hypot(points[:, 0], points[:, 1]) < 0.01 + slope * (points[:, 2] - 0.02)]
+    rows = "".join(f"{k} 1 {x} {y} {-down * z} 5e-4 1e-5\n" for k, (x, y, z) in enumerate(points, 1))
+    path, ends = tmp_path / "dump.round", "-0.05 0.05\n" * 3
+    path.write_text(
+        f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(points)}\nITEM: BOX BOUNDS ff ff ff\n{ends}"
+        f"ITEM: ATOMS id type x y z radius mass\n{rows}"
+    )
+    bed = dumps.bed(dumps.read(path)[-1], {}, {}, (0.0, 0.0, down), 3)
+    assert bed.walled and bed.mass == pytest.approx(6000 * 1e-5 / 0.02**2, rel=0.1)

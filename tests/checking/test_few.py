@@ -47,6 +47,7 @@ def test_without_a_speed_it_is_chosen_and_said():
     verdict = hl.check(pair())
     assert verdict.state.speed_is_chosen and verdict.state.impact_speed == 1.0
     assert "Two grains only: at 1 m/s (supposed; --speed gives another) ε = 0.8" in verdict.sentence
+    assert "the force lasts " in verdict.sentence
     assert verdict.admissible is None
 
 
@@ -138,3 +139,12 @@ def test_a_gas_has_its_number_at_a_supposed_packing_and_speed(options):
     assert verdict.state.supposed_tc_nu == pytest.approx(complete.rows[0].tc_nu)
     assert complete.state.supposed_tc_nu is None and verdict.state.speed_is_chosen is ("speed" not in options)
     assert verdict.admissible is None and "(not both are known) t_c ν would be" in verdict.sentence
+
+
+def test_few_grains_do_not_rest_on_each_other():
+    single = hl.check(pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81))
+    assert "No: the grain comes to rest under gravity, which" in single.sentence
+    two = hl.check(
+        pair(f"{FACET}, {TWO.replace('0, 0, 0)', '0, 0, 0.1)').replace('0.0201', '0.2')}", gravity=-9.81)
+    )
+    assert "No: the two grains come to rest under gravity, which" in two.sentence

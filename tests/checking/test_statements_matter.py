@@ -37,10 +37,10 @@ INERT = {
     "output": r"^«?(thermo|fix_modify|compute|dump|print)\b|^«(plot\.|O\.(saveTmp|pause)|O\.run\(1000)",
     "how the program runs": r"^«?(neighbor|neigh_modify|comm_modify|communicate|newton|atom_modify)\b",
     "where grains are": r"^«?(region|boundary|create_box|atom_style)\b|^create_atoms \d+ (random \S+ |single ).*«"
-    r"|^lattice sc «",
+    r"|^lattice (sc «|sq \S+ origin .*«)",
     "how they are inserted": r"^fix \w+ all (pour \S+ \S+ «|pour .* (vol|«vol)|insert/\S+ .*«)|«?particledist\S+ .*",
     "random numbers": r"particletemplate/sphere «|\bseed=?«|\b«?seed»?=",
-    "how fast they start": r"^«?velocity|state\.vel =|^«?(variable speed|g, height)\b",
+    "how fast they start": r"^«?velocity|state\.vel =|^«?(variable (speed|deep|inside|vx)|g, height)\b",
     "the place and size of walls": r"plane .*«|(region|cylinder) .*«|scale»|scale «|mesh/surface .*«",
     "words that mean nothing to the code, or their default": r"«(atom_type|particletemplate/sphere)»|^«dimension 3»",
     "the sign of a direction alone": r"gravity \S+ vector .*«1(\.0)?»",

@@ -485,6 +485,10 @@ class Load:
     shaking: float | None = None  #: Γ
     frequency: float | None = None  #: angular, of the shaking
     tilt: float | None = None  #: angle [°] between gravity and the nearest axis
+    slope_inertial_number: tuple[float, float] | None = None  #: of a deep layer at this tilt
+    rest_angle: float | None = None  #: [°] below which such a layer comes to rest
+    froude_number: float | None = None  #: of a drum
+    centrifuging_radius: float | None = None  #: of a drum of Froude number 1
 
 
 @dataclass(frozen=True)
@@ -528,6 +532,10 @@ class GrainState:
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
     tilt: float | None = None  #: angle [°] between gravity and the nearest axis, as in chutes
+    slope_inertial_number: tuple[float, float] | None = None  #: range of I of a deep layer at this tilt
+    rest_angle: float | None = None  #: [°] below which such a layer comes to rest
+    froude_number: float | None = None  #: Fr = ω²R/g of a drum
+    centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -574,6 +582,10 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         regime=None if inertial is None else regime(inertial),
         shaking=load.shaking,
         tilt=load.tilt,
+        slope_inertial_number=load.slope_inertial_number,
+        rest_angle=load.rest_angle,
+        froude_number=load.froude_number,
+        centrifuging_radius=load.centrifuging_radius,
     )
     if not contacts:
         return of_any_size(state, moving, load.pressure, packing, dimension)

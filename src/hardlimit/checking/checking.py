@@ -57,6 +57,11 @@ NO_LOAD, NO_SUPPORT = loads.LoadOptions(), drive.Support(False, False)
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
 RESTS: Final = "grains rest on each other under gravity"
+RESTS_OR_FLOWS: Final = "grains rest or flow in lasting contact under gravity"
+FEW_REST: Final[dict[float | None, str]] = {
+    1.0: "the grain comes to rest under gravity",
+    2.0: "the two grains come to rest under gravity",
+}
 #: Largest overlap over the radius that contact laws describe.
 COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
@@ -574,7 +579,7 @@ def _lasting(
             if support.rests and stage.system not in shaken
         )
         for stage, support in islice(resting, 1):
-            yield Finding(_rest(support), None, _where(stage.quote))
+            yield Finding(_rest(support, stage.contents.count), None, _where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
     for row in rows:
         overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)
@@ -600,13 +605,16 @@ def _held_together(grains: GrainState, options: Options, lasting: Iterable[Findi
     elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
         yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
-    yield from findings
+    slides = grains.slope_inertial_number is not None and grains.slope_inertial_number[0] > 0.0
+    moves = RESTS_OR_FLOWS if grains.name == "flow" or slides else RESTS
+    for finding in findings:
+        yield finding._replace(what=finding.what.replace(RESTS, moves))
 
 
-def _rest(support: drive.Support) -> str:
-    """That grains rest, and how strongly their support is shaken."""
+def _rest(support: drive.Support, count: float | None) -> str:
+    """That so many grains rest, and how strongly their support is shaken; one or two rest on walls."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
-    return f"{RESTS}{shaking}"
+    return f"{FEW_REST.get(count, RESTS)}{shaking}"
 
 
 def _ignored(script: Description, rows: Sequence[CheckedContact]) -> Iterator[Finding]:
@@ -921,7 +929,7 @@ def _held(stage: Stage, support: drive.Support, options: Options, around: loads.
     mass, length, time = SCALES[stage.units]
     unit = mass / (length ** (around.dimension - 2) * time**2)
     sizes = {"largest_stable_step": time, "pressure": unit, "pressure_for_rigid": unit}
-    sizes |= dict.fromkeys(("height_for_rigid", "layers_height"), length)
+    sizes |= dict.fromkeys(("height_for_rigid", "layers_height", "centrifuging_radius"), length)
     known = {name: getattr(state, name) for name in sizes}
     springs = [
         case.spring_powers for case in around.cases if case.spring and case.spring[0] == state.stiffness
@@ -956,7 +964,7 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
         coordination=coordination,
         in_several_contacts=several,
     )
-    resting = [Finding(_rest(support))] * support.rests
+    resting = [Finding(_rest(support, system.n))] * support.rests
     densities = system.mass / (UNIT_BALL[system.dimension] * system.radius**system.dimension)
     in_system = drive.of_system(system)
     if options.drive is None and not options.speeds and not system._walls_move:
@@ -996,7 +1004,7 @@ def _of_law(
     resting: Sequence[Finding] = (),
     question: answer.Question | None = None,
     support: drive.Support = NO_SUPPORT,
-    bed: tuple[float, float] | None = None,
+    bed: dumps.Bed | None = None,
     kinds: tuple[mixture.Kind, ...] = (),
 ) -> Verdict:
     supposed = question is None  # a ball, and a wall that need not be there

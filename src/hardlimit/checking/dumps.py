@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 MAX_FRAMES: Final = 20
 #: Shares of impacts with lower speeds, at which speeds are given.
 QUANTILES: Final = (0.1, 0.5, 0.9)
+#: Least width of the column of grains that is weighed between walls, in mean diameters and over that of the bed.
+COLUMN, COLUMN_SHARE = 4.0, 1.0 / 3.0
 
 Frame = dump.DumpFrame
 
@@ -124,6 +126,14 @@ def state(
     )
 
 
+class Bed(NamedTuple):
+    """A bed of grains under gravity."""
+
+    height: float
+    mass: float  #: over the area below it
+    walled: bool = False  #: whether side walls, which may carry a part of the weight, are around it
+
+
 def bed(
     frame: Frame,
     radii: Mapping[str, float],
@@ -131,10 +141,11 @@ def bed(
     down: Sequence[float],
     dimension: int,
     fixed: Collection[str] = (),
-) -> tuple[float, float] | None:
-    """Height of the grains along gravity, and their mass over the area below them; None if it is not known.
+) -> Bed | None:
+    """The bed of a frame; None if it is not known.
 
-    ``down``: direction of gravity, which must be along an axis. ``fixed``: types that do not weigh on others.
+    ``down``: direction of gravity, which must be along an axis. ``fixed``: types that do not weigh on others. Along an
+    axis with ends, a column above the deepest grains is weighed, since a cone or a cylinder does not fill its corners.
     """
     axes = [k for k in range(dimension) if abs(down[k]) > 1.0 - 1e-9]
     radius, place = _radius(frame, radii), frame.positions(dimension)
@@ -147,13 +158,20 @@ def bed(
         density = frame.columns.get("density", np.array([densities.get(name, 0.0) for name in kinds]))
         mass = 4.0 / 3.0 * math.pi * radius**3 * density
     mass, radius, at = mass[moving], radius[moving], place[0][moving]
-    edges = (frame.high - frame.low)[:dimension]
-    reach = (at + radius[:, None]).max(axis=0) - (at - radius[:, None]).min(axis=0)
-    filled = np.where(frame.periodic[:dimension], edges, np.minimum(reach, edges))
-    area = float(np.prod(np.delete(filled, axes[0])))
+    edges, diameter = (frame.high - frame.low)[:dimension], 2.0 * float(radius.mean())
+    low, high = (at - radius[:, None]).min(axis=0), (at + radius[:, None]).max(axis=0)
+    across = np.delete(np.arange(dimension), axes[0])
+    ends = across[~np.array(frame.periodic[:dimension])[across]]
+    depth = at[:, axes[0]] * down[axes[0]]
+    width = np.minimum(np.maximum(COLUMN * diameter, COLUMN_SHARE * (high - low)), high - low)
+    middle = at[depth > depth.max() - diameter].mean(axis=0)
+    middle = np.clip(middle, low + 0.5 * width, high - 0.5 * width)
+    inside = (np.abs(at - middle) <= 0.5 * width)[:, ends].all(axis=1)
+    area = float(np.prod(np.where(np.isin(across, ends), width[across], edges[across])))
     if not (mass > 0.0).all() or not area > 0.0:
         return None
-    return float(reach[axes[0]]), float(mass.sum()) / area
+    height = float((high - low)[axes[0]])
+    return Bed(height, float(mass[inside].sum()) / area, len(ends) > 0)
 
 
 def kinds(frame: Frame, radii: Mapping[str, float], fixed: Collection[str] = ()) -> tuple[mixture.Kind, ...]:

@@ -13,7 +13,7 @@ from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
-from . import dumps, mixture
+from . import dumps, flows, mixture
 from .at_rest import PACKINGS, PRESSED, Load, Packing, weight
 from .contacts import Case
 from .drive import Support
@@ -65,7 +65,7 @@ class Around(NamedTuple):
     dimension: int
     units: str = "si"
     state: dumps.State | None = None  #: of the last frame of a dump
-    bed: tuple[float, float] | None = None  #: height along gravity, and mass over area
+    bed: dumps.Bed | None = None  #: of a dump or a system
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
@@ -106,8 +106,8 @@ def load_of(
         return Load("shaken", gravity=stage.gravity, shaking=support.shaking, frequency=frequency)
     if lasting is False or not (pressed or rests or lasting):
         return Load("gas")
-    flows = rate is not None or (support.moves and support.shaking is None)
-    name = "flow" if flows else "pressed" if pressed or not rests else "rest"
+    driven = rate is not None or (support.moves and support.shaking is None)
+    name = "flow" if driven else "pressed" if pressed or not rests else "rest"
     kinds = _kinds(stage, around)
     load = Load(
         name,
@@ -120,7 +120,8 @@ def load_of(
     )
     load = replace(load, **_pressure(stage, options, around, pressed))
     if stage.gravity and stage.down:
-        load = replace(load, tilt=math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0))))
+        tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
+        load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt))
     settled = name == "rest" or load.weight or around.packing != PACKINGS[3, True]
     return load if settled else replace(load, packing=PRESSED)
 
@@ -151,8 +152,9 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         return {}
     kinds = _kinds(stage, around)
     if options.height is None and around.bed is not None:
-        top, mass = around.bed
-        return {"pressure": mass * gravity, "origin": f"below {around.length(top)} of grains", "weight": True}
+        origin = f"below {around.length(around.bed.height)} of grains"
+        bound = around.bed.walled
+        return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
     density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
     floor = stage.floor or contents.floor
     if options.height is None and density is not None and contents.filled and floor:
@@ -206,14 +208,15 @@ def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
     return math.fsum(masses) / math.fsum(volumes)
 
 
-def bed_of_system(system: ParticleSystem) -> tuple[float, float] | None:
-    """Height of the grains of a system along gravity, and their mass over the area below them."""
+def bed_of_system(system: ParticleSystem) -> dumps.Bed | None:
+    """The grains of a system as a bed; the side walls of its box carry nothing known."""
     axes = np.flatnonzero(system.gravity)
     if len(axes) != 1:
         return None
     at, radius = system.positions[:, axes[0]], system.radius
     area = float(np.prod(np.delete(system.box, axes[0])))
-    return float((at + radius).max() - (at - radius).min()), float(system.mass.sum()) / area
+    height = float((at + radius).max() - (at - radius).min())
+    return dumps.Bed(height, float(system.mass.sum()) / area)
 
 
 def contacts_of_system(system: ParticleSystem) -> tuple[float, float, float]:

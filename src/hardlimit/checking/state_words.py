@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ..support.formatting import digits, length, percent, quantity
+from . import flows
 from .answer import stiffness
-from .at_rest import COLLISIONAL, LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
+from .at_rest import COLLISIONAL, LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState, regime
 from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
 BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
-#: Angle [°] from which grains may flow down a slope; heaps of glass beads stand up to 20 or more.
-STEEP = 15.0
 VERBS = {
     "shaken": "Grains rest under",
     "rest": "Grains rest under",
@@ -40,13 +40,43 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
         parts.append(f"I = γ̇ d √(ρ/p) = {sign}{digits(state.inertial_number, 2)}: {state.regime} flow")
     elif state.name == "flow":
         parts.append("--shear, of the flowing layer, gives the inertial number")
-    elif state.name == "rest" and (state.tilt or 0.0) >= STEEP:
-        parts.append(
-            f"Gravity is tilted by {digits(state.tilt or 0.0, 2)}°: if they flow, --shear gives I = γ̇ d √(ρ/p)"
-        )
+        parts.insert(0, _drum(state, plain))
+    elif state.name == "rest" and (state.tilt or 0.0) >= flows.STEEP:
+        parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
     return " ".join(f"{part}." for part in parts if part)
+
+
+def _slope(state: GrainState) -> str:
+    """How a deep layer flows down a slope."""
+    tilted = f"Gravity is tilted by {digits(state.tilt or 0.0, 2)}°"
+    if state.slope_inertial_number is None or state.rest_angle is None:
+        return f"{tilted}: if they flow, --shear gives I = γ̇ d √(ρ/p)"
+    low, high = state.slope_inertial_number
+    deep, rests = f"{tilted}: on a rough base a deep layer", f"rests below {digits(state.rest_angle, 2)}°"
+    if high == 0.0:
+        return f"{deep} {rests}"
+    if not math.isfinite(high):
+        fast = "gets faster and faster, or" if not math.isfinite(low) else "may get faster and faster, or"
+        return f"{deep} {fast} flows with I > {digits(low if math.isfinite(low) else flows.FASTEST, 2)}"
+    regimes = " to ".join(dict.fromkeys((regime(low), regime(high))))
+    numbers = f"I = {digits(low, 2)} to {digits(high, 2)}" if low else f"I up to {digits(high, 2)}, or rests"
+    return (
+        f"{deep} flows with {numbers} ({regimes}), on a flat one faster; it {rests}; --shear gives its own I"
+    )
+
+
+def _drum(state: GrainState, plain: bool) -> str:
+    """How a drum moves its grains."""
+    if state.froude_number is not None:
+        froude = state.froude_number
+        return f"The drum turns with Fr = ω²R/g = {digits(froude, 2)}: {flows.way_of(froude)}"
+    if state.centrifuging_radius is None:
+        return ""
+    border = state.centrifuging_radius
+    rolls, whirls = (digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in (0.01 * border, border))
+    return f"A drum that turns so is rolling up to R = {rolls} (Fr = ω²R/g = 0.01), centrifuging from {whirls} on (1)"
 
 
 def _speed(state: GrainState, plain: bool) -> str:
@@ -59,7 +89,7 @@ def _few(state: GrainState, plain: bool) -> str:
     lasts = digits(duration, 2) if plain else quantity(duration, "s", 2)
     supposed = " (supposed; --speed gives another)" * state.speed_is_chosen
     which = {0: "Grains meet walls", 1: "One grain", 2: "Two grains"}[state.grains or 0]
-    numbers = f"ε = {digits(state.restitution or 0.0, 2)}, contact {lasts}"
+    numbers = f"ε = {digits(state.restitution or 0.0, 2)}, the force lasts {lasts}"
     return f"{which} only: at {at}{supposed} {numbers}, overlap {percent(state.overlap or 0.0)} of R"
 
 
@@ -79,7 +109,7 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
     value = f"{digits(state.stiffness_for_rigid, 2)} {state.stiffness_unit or ''}".rstrip()
-    needed = f"{stiffness(state.stiffness)} of {most}{value}"
+    needed = f"{stiffness(state.stiffness)} of {value}{' or less' * state.pressure_is_bound}"
     return f"{text}; {'still rigid (1e4) at' if kappa >= RIGID else 'rigid grains (1e4) take'} {needed}"
 
 

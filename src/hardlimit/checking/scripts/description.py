@@ -114,6 +114,8 @@ class Motion:
     amplitude: Direction | None = None  #: of an oscillation along each axis
     frequency: float | None = None  #: angular, of this oscillation
     velocity: float | None = None  #: of a steady motion
+    turning: Direction | None = None  #: angular velocity of a steady rotation
+    radius: float | None = None  #: of a cylinder that turns about its axis
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,7 @@ BOLTZMANN: Final = {
     "nano": 0.01380649,
 }
 WIGGLE: Final = re.compile(r"\s*[sc]wiggle\(([^,]*),([^,]*),([^,]*)\)\s*")
+TIME: Final = re.compile(r"\btime\b")
 #: A reference to what the simulation computes, such as a force.
 MEASURED: Final = re.compile(r"\b[cf]_\w+")
 
@@ -226,7 +227,31 @@ def of_wall(state: State, rest: Sequence[str], ends: int, rubs: bool) -> Motion 
         return by_variables(state, [places[0] if name == axis else "NULL" for name in AXES])
     if "shear" in options and rubs:
         return steady(state, options[options.index("shear") + 2 :][:1])
-    return STEADY if rubs and any("rotate" in words for words in regions) else None
+    turning = [words for words in regions if "rotate" in words]
+    return _drum(state, turning[0]) if rubs and turning else None
+
+
+def _drum(state: State, words: Sequence[str]) -> Motion:
+    """The motion of a region with ``rotate v_angle Px Py Pz Rx Ry Rz``, and the radius around a cylinder's axis."""
+    at = words.index("rotate") + 1
+    angle = state.variables.known.get(words[at][2:]) if at < len(words) else None
+    numbers = [state.coefficient(word) for word in words[at + 1 : at + 7]]
+    known = [number for number in numbers if number is not None]
+    if angle is None or angle.style != "equal" or len(known) < 6:
+        return STEADY
+    formula = state.variables.substitute(angle.values[0])
+    angles = [state.variables.number(TIME.sub(f"({time})", formula)) for time in (0.0, 1.0, 2.0)]
+    size, values = math.hypot(*known[3:]), [value for value in angles if value is not None]
+    if len(values) < 3 or not size or not math.isclose(values[2] - values[1], values[1] - values[0]):
+        return STEADY
+    vector = tuple((values[1] - values[0]) * part / size for part in known[3:])
+    motion = replace(STEADY, turning=vector)
+    if words[0] != "cylinder" or words[1] not in AXES or "out" in words:
+        return motion
+    axis = AXES.index(words[1])
+    centre, along = [state.coefficient(word) for word in words[2:4]], abs(known[3 + axis]) == size
+    same = along and centre == [value for k, value in enumerate(known[:3]) if k != axis]
+    return replace(motion, radius=state.coefficient(words[4])) if same else motion
 
 
 def steady(state: State, words: Sequence[str]) -> Motion:
@@ -331,4 +356,10 @@ def _of_mesh(state: State, words: Sequence[str]) -> Motion:
         return strongest(waves) or UNKNOWN
     if "linear" in words:
         return steady(state, [word for word in after("linear", 3) if word])
+    if "rotate" in words:
+        axis = [state.coefficient(word) for word in after("axis", 3)]
+        period, known = state.coefficient(after("period", 1)[0]), [part for part in axis if part is not None]
+        if period and len(known) == 3 and any(known):
+            rate = 2.0 * math.pi / period / math.hypot(*known)
+            return replace(STEADY, turning=tuple(rate * part for part in known))
     return STEADY if {"rotate", "rotate/variable"} & set(words) else UNKNOWN

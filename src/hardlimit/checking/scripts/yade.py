@@ -1189,8 +1189,18 @@ class Yade(Evaluator):
                 steady = STEADY
                 if speed is not None and is_number(speed):
                     steady = replace(STEADY, velocity=abs(float(speed)))
+                if engine.name == "RotationEngine":
+                    steady = replace(STEADY, turning=self._angular_velocity(engine))
                 motions.append(steady if engine.name in STEADY_MOTION else UNKNOWN)
         return strongest(motions, self.down(self.used("NewtonIntegrator")))
+
+    @staticmethod
+    def _angular_velocity(engine: Instance) -> Direction | None:
+        """That of ``RotationEngine``; None if it is not known."""
+        along, rate = vector(engine.attributes.get("rotationAxis")), engine.attributes.get("angularVelocity")
+        if along is None or not any(along) or rate is None or not is_number(rate):
+            return None
+        return tuple(float(rate) * part / math.hypot(*along) for part in along)
 
     def name(self, k: int) -> str:
         """The name of a material: its label, or its number."""

@@ -1,0 +1,113 @@
+"""Flow down a slope and in a turning drum: what follows from a script alone.
+
+**Slope.** In a deep layer on a plane at the angle θ the shear stress over the pressure is tan θ at every depth. It
+flows with the inertial number I of homogeneous shear at this ratio (GDR MiDi, Eur. Phys. J. E 14, 341 (2004)), in the
+form of Jop, Forterre & Pouliquen, Nature 441, 727 (2006): tan θ = s + (t − s)/(1 + I₀/I); below tan θ = s it comes to
+rest. Numbers: spheres sheared by our own steps (studies/dense_flow.nc).
+
+**Drum.** Fr = ω²R/g, with the usual borders of Mellmann, Powder Technol. 118, 251 (2001), which overlap there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from ..convert.force import AdhesiveForce
+from .contacts import Case, restitution_of
+from .scripts import Stage
+from .scripts.description import WALL
+
+#: s, t and I₀ by the friction of the grains; between them they are interpolated.
+SLOPES: Final = {0.3: (0.337, 0.934, 0.76), 0.5: (0.378, 1.047, 1.03), 0.7: (0.38, 0.987, 0.75)}
+#: By how much measured ratios differ from these with ε from 0.5 to 0.9, up to this I; faster ones depend on ε.
+RATIO_ERROR, FASTEST = 0.025, 0.4
+#: Restitutions that are near enough to the measured ones.
+RESTITUTIONS: Final = (0.4, 0.95)
+#: Settings that resist rolling, or of a code of which that is not read here.
+ROLLING: Final = {"rolling", "rolling_friction", "twisting", "physics"}
+#: Angle [°] from which grains may flow down a slope; heaps of glass beads stand up to 20 or more.
+STEEP: Final = 15.0
+#: Froude numbers up to which a drum moves its grains in these ways; beyond, they centrifuge.
+DRUMS: Final = {1e-4: "slumping", 1e-2: "rolling", 0.1: "cascading", 1.0: "cataracting"}
+
+
+def of_stage(stage: Stage, cases: Sequence[Case], tilt: float) -> dict[str, Any]:
+    """Values of a :class:`Load` under gravity at this angle [°] against the axes."""
+    values: dict[str, Any] = {}
+    friction, drum = friction_of(stage, cases), turning(stage)
+    if tilt >= STEEP and friction is not None:
+        values["slope_inertial_number"] = on_slope(tilt, friction)
+        values["rest_angle"] = math.degrees(math.atan(rest_ratio(friction)))
+    if drum is not None and stage.gravity:
+        square, radius = drum
+        border = stage.gravity / square
+        values |= {"centrifuging_radius": border} if radius is None else {"froude_number": radius / border}
+    return values
+
+
+def friction_of(stage: Stage, cases: Sequence[Case]) -> float | None:
+    """The one friction of spheres like the measured ones that move; None if they have another one or resist rolling."""
+    pairs = [case for case in cases if case.second and not case.first.fixed and not case.second.fixed]
+    rough = {case.friction.coefficient for case in pairs}
+    resists = any(ROLLING & contact.settings.keys() for contact in stage.contacts)
+    if stage.dimension != 3 or len(rough) != 1 or resists or not all(map(_alike, pairs)):
+        return None
+    (coefficient,) = rough
+    return coefficient if coefficient is not None and min(SLOPES) <= coefficient <= max(SLOPES) else None
+
+
+def _alike(case: Case) -> bool:
+    """Whether a contact has a tangential spring and a restitution near the measured ones."""
+    bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
+    if (
+        case.force is None
+        or case.friction.terms is None
+        or isinstance(case.force(*bodies, 1.0), AdhesiveForce)
+    ):
+        return False
+    restitution = restitution_of(case, 1.0)
+    return (
+        case.friction.terms(*bodies, 1.0).stiffness > 0.0
+        and RESTITUTIONS[0] <= restitution <= RESTITUTIONS[1]
+    )
+
+
+def rest_ratio(friction: float) -> float:
+    """tan θ below which a deep layer comes to rest."""
+    return float(np.interp(friction, list(SLOPES), [s for s, _, _ in SLOPES.values()]))
+
+
+def on_slope(tilt: float, friction: float) -> tuple[float, float]:
+    """Least and largest I of a deep layer on a rough plane at this angle [°]; 0: at rest, infinite: not measured."""
+    s, t, scale = (
+        float(np.interp(friction, list(SLOPES), column)) for column in zip(*SLOPES.values(), strict=True)
+    )
+    ratio = math.tan(math.radians(tilt))
+
+    def inertial(at: float) -> float:
+        value = scale * (at - s) / (t - at) if at < t else math.inf
+        return max(value, 0.0) if value <= FASTEST else math.inf
+
+    return inertial(ratio - RATIO_ERROR), inertial(ratio + RATIO_ERROR)
+
+
+def way_of(froude: float) -> str:
+    """How a drum with this Froude number moves its grains."""
+    return next((name for border, name in DRUMS.items() if froude < border), "centrifuging")
+
+
+def turning(stage: Stage) -> tuple[float, float | None] | None:
+    """ω² of a drum that turns across gravity, and its radius if it is known; None without one."""
+    for contact in stage.contacts:
+        motion = contact.motion
+        if contact.types[1] != WALL or motion is None or motion.turning is None or stage.down is None:
+            continue
+        rate = math.hypot(*motion.turning)
+        along = sum(a * b for a, b in zip(motion.turning, stage.down, strict=False))
+        if rate > 0.0 and abs(along) < 1e-6 * rate:
+            return rate**2, motion.radius
+    return None

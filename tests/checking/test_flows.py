@@ -1,0 +1,137 @@
+"""What check says of slopes and drums from the script alone."""
+
+import math
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from conftest import table
+from hardlimit.checking import flows
+
+STATES = Path(__file__).parent / "data/states"
+STUDY = Path(__file__).parents[2] / "studies/dense_flow.nc"
+
+
+def text(name, *changes):
+    script = (STATES / name).read_text(encoding="utf-8")
+    for before, after in changes:
+        assert before in script
+        script = script.replace(before, after)
+    return script
+
+
+# --- slopes -----------------------------------------------------------------------------------------------------
+
+
+def test_every_measured_flow_is_within_the_band():
+    """Of all sheared boxes up to the largest I: it is in the band at the angle whose tangent is their stress ratio."""
+    data = xr.load_dataset(STUDY).stack(run=("restitution", "looser", "replica"))
+    for mu in flows.SLOPES:
+        rows = data.sel(friction=mu).dropna("run", subset=["inertial_number"])
+        slow = rows.where(rows.inertial_number < flows.FASTEST, drop=True)
+        assert slow.sizes["run"] >= 5
+        for inertial, ratio in zip(slow.inertial_number.values, slow.stress_ratio.values, strict=True):
+            low, high = flows.on_slope(math.degrees(math.atan(ratio)), mu)
+            assert low <= inertial <= high
+
+
+def test_a_deep_layer_on_a_rough_base_flows_as_said():
+    """In LAMMPS, μ = 0.5 at 24°; ``lammps_chute``, a thin layer over a flat base, has three times this I."""
+    (row,) = (row for row in table("script_motions") if row["script"] == "lammps_rough_chute")
+    verdict = hl.check(STATES / row["script"])
+    low, high = verdict.state.slope_inertial_number
+    assert low < float(row["inertial_number"]) < high < 2.5 * low
+    assert (
+        "a deep layer flows with I = 0.069 to 0.16 (dense to collisional), on a flat one faster"
+        in verdict.sentence
+    )
+
+
+@pytest.mark.parametrize(
+    ("tilt", "words"),
+    [
+        (16.0, "on a rough base a deep layer rests below 21°."),
+        (20.7, "flows with I up to 0.04, or rests (quasi-static to dense)"),
+        (29.0, "may get faster and faster, or flows with I > 0.3."),
+        (45.0, "gets faster and faster, or flows with I > 0.4."),
+    ],
+)
+def test_layers_rest_flow_or_get_faster(tilt, words):
+    assert words in hl.check(text("lammps_chute", ("chute 24.0", f"chute {tilt}"))).sentence
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("NULL 50 NULL 0.5 0", "NULL 50 NULL 0.8 0"),  # μ beyond the measured ones
+        ("NULL 50 NULL 0.5 0", "NULL 5000 NULL 0.5 0"),  # ε near 0
+        ("gran/hooke/history", "gran/hooke"),  # no tangential spring
+        ("units lj", "units lj\ndimension 2"),
+    ],
+)
+def test_other_grains_have_no_number(change):
+    verdict = hl.check(text("lammps_chute", change))
+    assert verdict.state.slope_inertial_number is None and "24°: if they flow, --shear" in verdict.sentence
+
+
+def test_grains_that_resist_rolling_have_no_number():
+    words = "hooke 2e5 0.5 damping coeff_restitution tangential linear_history 5e4 0 0.5"
+    style = (
+        "pair_style gran/hooke/history 2e5 NULL 50 NULL 0.5 0\npair_coeff * *",
+        "pair_style granular\npair_coeff * * ",
+    )
+    plain = hl.check(text("lammps_chute", (style[0], style[1] + words))).state
+    rolls = hl.check(text("lammps_chute", (style[0], f"{style[1]}{words} rolling sds 5e4 20 0.1"))).state
+    assert plain.slope_inertial_number is not None and rolls.slope_inertial_number is None
+
+
+# --- drums ------------------------------------------------------------------------------------------------------
+
+
+def test_a_cylinder_about_its_axis_has_a_froude_number():
+    """ω²R/g of a region of LAMMPS that turns by PI in a unit of time."""
+    verdict = hl.check(STATES / "lammps_turning_drum")
+    assert verdict.state.froude_number == pytest.approx(math.pi**2 * 0.025 / 9.81)
+    assert "No: grains rest or flow in lasting contact under gravity" in verdict.sentence
+    assert "Fr = ω²R/g = 0.025: cascading." in verdict.sentence
+    fast = text("lammps_turning_drum", ("equal PI*time", "equal 8*PI*(time-1)"))
+    assert hl.check(fast).state.froude_number == pytest.approx(64 * math.pi**2 * 0.025 / 9.81)
+    assert "centrifuging" in hl.check(fast).sentence
+
+
+@pytest.mark.parametrize(
+    ("change", "known"),
+    [
+        (("equal PI*time", "equal PI*time^2"), None),
+        (("equal PI*time", "equal ramp(0,1)"), None),
+        (("0 0 0 0 0 1", "0 0 0 0 1 0"), None),  # about an axis along gravity: no drum
+        (("0 0 0 0 0 1", "0.01 0 0 0 0 1"), "radius"),  # not about its own axis
+        (("INF INF rotate", "INF INF side out rotate"), "radius"),  # grains around it
+    ],
+)
+def test_other_rotations_have_none(change, known):
+    state = hl.check(text("lammps_turning_drum", change)).state
+    assert state.froude_number is None
+    border = None if known is None else pytest.approx(9.81 / math.pi**2)
+    assert state.centrifuging_radius == border
+
+
+@pytest.mark.parametrize(
+    ("name", "rate"), [("liggghts_turning_drum", 2.0 * math.pi / 3.0), ("yade_turning_drum", 2.0)]
+)
+def test_a_mesh_has_the_radius_at_which_it_centrifuges(name, rate):
+    verdict = hl.check(STATES / name)
+    assert verdict.state.centrifuging_radius == pytest.approx(9.81 / rate**2)
+    assert "A drum that turns so is rolling up to R = 2." in verdict.sentence
+
+
+def test_the_radius_is_in_metres_in_every_unit():
+    cgs = text(
+        "liggghts_turning_drum",
+        ("units si", "units cgs"),
+        ("gravity 9.81", "gravity 981"),
+        ("radius constant 0.003", "radius constant 0.3"),
+    )
+    assert hl.check(cgs).state.centrifuging_radius == pytest.approx(9.81 / (2.0 * math.pi / 3.0) ** 2)
