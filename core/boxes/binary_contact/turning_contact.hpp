@@ -251,10 +251,10 @@ private:
     // Whether a change of stick and slip occurs in the step; end_ moves to a point beyond it.
     bool occurs(Event change) {
         const EventFunction after = function(change, end_, slope_);
-        if (begin_[M::root_depth] == 0.0) return after.value <= 0.0;
         double slope[n];
         motion_(begin_, slope);
         const EventFunction before = function(change, begin_, slope);
+        if (begin_[M::root_depth] == 0.0 && !(before.value > 0.0)) return after.value <= 0.0;
         const bool disarmed = last_ != Event::none && last_ != Event::turns;
         if (disarmed && !(before.value > 0.0) && after.value > 0.0)
             return false;  // rounding at the event before
