@@ -4,7 +4,7 @@
 
 Draws are those of tests/boxes/test_turning_contact.py: law, model and limit of friction, restitution, damping, inertia,
 radii, masses, v t_c/d, spins and velocities in space. A line of JSON each goes to standard output, a table of the worst
-of each model to standard error. Most take 0.1 s; those that would take many seconds are left out.
+of each model to standard error. A draw takes 0.1 to 1 s; one that would take many seconds is left out.
 """
 
 import collections

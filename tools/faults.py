@@ -4,9 +4,10 @@
 
 Requires what an editable install requires, in an environment without hardlimit. The faults are in
 `tools/faults.toml`. The package is built once into the working directory. For each fault only the files of bindings/
-that include it are recompiled, without optimisation, and linked before the others, so that the linker takes the faulty
-copy of each function. `verdicts.json` there keeps the verdicts; a fault whose text, headers and tests are unchanged is
-not tried again. The exit status is 1 if a fault survives or could not be tried.
+that include it are recompiled, without optimisation, and linked before all others, so that the linker takes the faulty
+copy of each function (`-z muldefs`: the first definition counts). `verdicts.json` there keeps the verdicts; a fault
+whose text, headers and tests are unchanged is not tried again, nor is a test that passed without a fault. The exit
+status is 1 if a fault survives or could not be tried.
 """
 
 import argparse
@@ -26,6 +27,8 @@ FAULTS = ROOT / "tools" / "faults.toml"
 
 #: Exit statuses of pytest; any other one, such as that of a crash or a timeout, means that the fault is caught.
 SURVIVED, NOT_RUN = 0, {2, 3, 4, 5}
+#: A file of bindings/ that CMakeLists.txt compiles alone and as it is: its command serves for all of them.
+ALONE = "hard_spheres"
 
 
 @dataclass(frozen=True)
@@ -66,13 +69,13 @@ def read_faults(path: Path = FAULTS) -> list[Fault]:
     return [Fault(**({"units": [unit_of(entry["tests"][0])]} | entry)) for entry in entries]
 
 
-def digest(fault: Fault, source: Path) -> str:
-    """A hash of everything that the verdict depends on."""
-    hash_of = hashlib.sha256(repr(fault).encode())
+def digest(text: str, tests: list[str], source: Path) -> str:
+    """A hash of a text, of these tests and of everything compiled."""
+    hash_of = hashlib.sha256(text.encode())
     for folder in ("core", "bindings"):
         for path in sorted((source / folder).rglob("*.?pp")):
             hash_of.update(path.read_bytes())
-    for test in sorted({t.split("::")[0] for t in fault.tests}):
+    for test in sorted({t.split("::")[0] for t in tests}):
         hash_of.update((source / test).read_bytes())
     return hash_of.hexdigest()
 
@@ -84,8 +87,7 @@ class Workplace:
         self.source, self.site, self.log = folder / "source", folder / "site", folder / "pytest.log"
         self.build = self.source / "build" / "sound"
         self.copy_tree()
-        cmake = "-G Ninja;-DCMAKE_EXPORT_COMPILE_COMMANDS=ON;-DHARDLIMIT_GROUPS=OFF"
-        settings = [f"-Cbuild-dir={self.build}", f"-Ccmake.args={cmake}"]
+        settings = [f"-Cbuild-dir={self.build}", "-Ccmake.args=-G Ninja;-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
         shutil.rmtree(self.build.parent / "compiled", ignore_errors=True)  # which would replace the build
         subprocess.run(
             [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation", "--upgrade",
@@ -95,9 +97,7 @@ class Workplace:
         (self.extension,) = (self.site / "hardlimit").glob("_core*.so")
         self.sound = self.extension.read_bytes()
         commands = json.loads((self.build / "compile_commands.json").read_text(encoding="utf-8"))
-        self.compile = {
-            Path(c["file"]).stem: shlex.split(c["command"]) for c in commands if "_core.dir" in c["command"]
-        }
+        (self.command,) = (shlex.split(c["command"]) for c in commands if c["file"].endswith(f"/{ALONE}.cpp"))
 
     def copy_tree(self) -> None:
         """Copy the files known to git; unchanged files keep their times, so that the build is incremental."""
@@ -134,25 +134,16 @@ class Workplace:
 
     def make_faulty(self, fault: Fault) -> None:
         """Compile the units of the fault and link them before all others."""
-        objects = []
-        for unit in fault.units:
-            command = self.compile[unit]
-            target = self.build / f"faulty-{unit}.o"
-            place = command.index("-o") + 1
-            command = [*command[:place], str(target), *command[place + 1 :], "-O0", "-w"]
-            subprocess.run(command, cwd=self.build, check=True)
-            sound = next(c for c in self.sound_objects() if c.endswith(f"{unit}.cpp.o"))
-            objects.append((sound, str(target)))
         link = self.link_command()
-        for sound, faulty in objects:
-            link.remove(sound)
-            link.insert(next(i for i, word in enumerate(link) if word.endswith(".cpp.o")), faulty)
+        first = next(i for i, word in enumerate(link) if word.endswith(".o"))
+        for unit in fault.units:
+            target = str(self.build / f"faulty-{unit}.o")
+            command = [word.replace(f"bindings/{ALONE}.cpp", f"bindings/{unit}.cpp") for word in self.command]
+            command[command.index("-o") + 1] = target
+            subprocess.run([*command, "-O0", "-w"], cwd=self.build, check=True)
+            link.insert(first, target)
         link[link.index("-o") + 1] = str(self.extension)
-        subprocess.run(link, cwd=self.build, check=True)
-
-    def sound_objects(self) -> list[str]:
-        """The object files in the link command of the extension."""
-        return [word for word in self.link_command() if word.endswith(".cpp.o")]
+        subprocess.run([*link, "-Wl,-z,muldefs"], cwd=self.build, check=True)
 
     def run_tests(self, tests: list[str]) -> int:
         """Exit status of pytest over these tests in the copy; its output goes to `self.log`."""
@@ -201,17 +192,14 @@ def main() -> int:
     tests = sorted({test for fault in faults for test in fault.tests})
     kept = options.work / "verdicts.json"
     verdicts = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
-    baseline = hashlib.sha256(repr([digest(f, workplace.source) for f in faults]).encode()).hexdigest()
-    if verdicts.get("sound") != baseline:
-        if workplace.run_tests(tests) != 0:
-            print(
-                "The tests do not pass without a fault:", workplace.log.read_text(encoding="utf-8"), sep="\n"
-            )
-            return 1
-        verdicts["sound"] = baseline
+    tests = [test for test in tests if verdicts.get(test) != digest(test, [test], workplace.source)]
+    if tests and workplace.run_tests(tests) != 0:
+        print("The tests do not pass without a fault:", workplace.log.read_text(encoding="utf-8"), sep="\n")
+        return 1
+    verdicts |= {test: digest(test, [test], workplace.source) for test in tests}
     bad = 0
     for fault in faults:
-        key = digest(fault, workplace.source)
+        key = digest(repr(fault), fault.tests, workplace.source)
         if key not in verdicts:
             verdicts[key] = workplace.try_fault(fault)
             kept.write_text(json.dumps(verdicts), encoding="utf-8")

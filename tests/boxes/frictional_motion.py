@@ -17,9 +17,17 @@ Vector = NDArray[np.float64]
 NEGLIGIBLE = 1e-6
 #: Start of a slip from zero force, over the duration of the contact.
 INSTANT = 1e-9
-#: A contact that takes more is left out: its slip relaxes very fast, or its force ends like a root of the compression.
+#: Compression at which the last step of an undamped contact begins, over its duration times its speed: powers of a
+#: compression that ends at zero have no derivative there.
+LAST = 1e-7
+#: Force over its limit, in units of the largest normal force, up to which surfaces stick: where they begin to, it is at
+#: its limit but for rounding.
+ROUNDING = 1e-11
+#: A contact that takes more is left out.
 MAX_EVALUATIONS = 40_000
-TOLERANCE = {"method": "DOP853", "rtol": 2e-12, "atol": 1e-13}
+TOLERANCE = 1e-13
+#: While the spring follows its limit: the part of the damping is that of differences.
+ROUGH = 1e-11
 
 
 def cross(a: Vector, b: Vector) -> Vector:
@@ -64,27 +72,26 @@ class Pair:
 
 
 class Motion:
-    """State: positions, velocities, spins of both bodies and T: 21 numbers."""
+    """State: displacements since touch, velocities, spins of both bodies and T: 21 numbers."""
 
     def __init__(self, pair: Pair, normal: Vector, instant: float) -> None:
         self.pair, self.normal, self.size = pair, normal, instant
         self.slips = self.unloads = False
         self.evaluations = 0
-        self.armed = (
-            0.0  # when sticking surfaces may slip again: the force is at its limit but for rounding at first
-        )
         self.part: float | None = None  # of the damping, while the spring follows its limit without slip
-        self.kept: Vector | None = None  # direction of slip once it no longer matters
+        self.held: float | None = None  # that part, once the rest of the normal force no longer matters
+        self.kept: Vector | None = None  # direction of slip, likewise
 
     def geometry(self, y: Vector) -> tuple[Any, ...]:
         pair, (ri, rj) = self.pair, self.pair.radius
         x, v, spin = y[:6].reshape(2, 3), y[6:12].reshape(2, 3), y[12:18].reshape(2, 3)
+        moved = x[1] - x[0]
         if pair.wall:
-            n, gap = self.normal, (x[1] - x[0]) @ self.normal
-            depth, arms, per_r = ri - gap, (ri, 0.0), 0.0
+            n, depth, arms, per_r = self.normal, -(moved @ self.normal), (ri, 0.0), 0.0
         else:
-            r = norm(x[1] - x[0])
-            n, depth = (x[1] - x[0]) / r, ri + rj - r
+            apart = (ri + rj) * self.normal + moved
+            r = norm(apart)
+            n, depth = apart / r, -(2.0 * (ri + rj) * (moved @ self.normal) + moved @ moved) / (ri + rj + r)
             arms, per_r = (ri * r / (ri + rj), rj * r / (ri + rj)), 1.0 / r
         relative = v[1] - v[0]
         radial = relative @ n
@@ -165,6 +172,14 @@ class Motion:
     def _per_r(self, at: dict[str, Any]) -> float:
         return np.inf if self.pair.wall else 1.0 / (sum(self.pair.radius) - at["depth"])
 
+    def at_limit(self, y: Vector) -> Vector:
+        """T that is nearest to that of this state and just at its limit."""
+        at, terms = self.pieces(y), self.pair.terms
+        if terms.stiffness == 0.0:
+            return y[18:21]
+        limited = at["elastic" if terms.limit == 1 else "force"]
+        return at["elastic"] + (terms.coefficient * at["normal"] / norm(limited) - 1.0) * limited
+
     def yielding(self, y: Vector) -> float:
         """The rate of the spring at its limit, without slip, less that of the limit."""
         at = self.pieces(y)
@@ -173,7 +188,9 @@ class Motion:
 
     def following_part(self, y: Vector) -> float:
         """Part of the damping that keeps the spring at its limit; infinite if all of it is too little."""
-        ends, step = [], 1e-6
+        if self.held is not None:
+            return self.held
+        ends = []
         for self.part in (0.0, 1.0):
             speed = self.rates(y)
             step = 1e-4 / (1.0 + np.abs(speed[:6]).max()) * self.size
@@ -186,7 +203,7 @@ class Motion:
         if self.evaluations > MAX_EVALUATIONS:
             raise TooCostlyError
         if self.part is not None:
-            self.part = self.following_part(y)
+            self.part = min(self.following_part(y), 10.0)  # of a step that goes too far
         return self.rates(y)
 
     def rates(self, y: Vector) -> Vector:
@@ -212,16 +229,19 @@ def integrate(
     y = np.concatenate([y, np.zeros(3)])
     motion.slips, y, t = first_surfaces(motion, y, duration)
     intervals = [(0.0, motion.slips)]
+    smallest = 1e-2 * np.repeat([duration, 1.0, 1.0 / duration], [6, 12, 3])  # of what counts
     for _ in range(60):
         names, events = event_functions(motion, duration)
         run = solve_ivp(
             motion,
             (t, t + 20.0 * duration),
             y,
+            "DOP853",
             events=events,
             first_step=1e-7 * duration,
             max_step=0.04 * duration,
-            **TOLERANCE,
+            rtol=TOLERANCE if motion.part is None else ROUGH,
+            atol=TOLERANCE * smallest,
         )
         if not run.success:  # steps as small as the spacing of numbers
             raise TooCostlyError
@@ -229,24 +249,28 @@ def integrate(
         t, y = float(run.t_events[which][0]), run.y_events[which][0].copy()
         event, at = names[which], motion.pieces(y)
         if event == "end":
-            return y[:18], t, intervals
+            left = at["depth"] / -at["rate"] if pair.coefficients[1] == 0.0 else 0.0
+            return (y + left * motion.rates(y))[:18], t + left, intervals
         if event == "turn":
             motion.unloads = True
             continue
         if event == "negligible":
-            motion.kept = at["force"] / norm(at["force"])
+            motion.held = None if motion.part is None else motion.following_part(y)
+            motion.kept = at["force"] / norm(at["force"]) if motion.slips else None
             continue
         if event == "hold":
             motion.part = None
             continue
         if event == "stick":
-            motion.slips, motion.part, motion.armed = False, None, t + 1e-6 * duration
+            y[18:21] = motion.at_limit(y)
+            motion.slips, motion.part = False, None
             if terms.stiffness > 0.0 and terms.limit == 1 and terms.damping > 0.0:
                 part = motion.following_part(y)
                 motion.part = part if part < 1.0 else None
         else:
             motion.part = None
             motion.slips = True
+            y[18:21] = motion.at_limit(y)
         intervals.append((t, motion.slips))
     raise AssertionError("too many changes")
 
@@ -302,17 +326,19 @@ def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[An
         at = motion.pieces(y)
         if at["rate"] >= 0.0:
             return 1.0
-        return at["depth"] if c == 0.0 else k * max(at["depth"], 0.0) ** (p - q) + c * at["rate"]
+        return (
+            at["depth"] - LAST * duration
+            if c == 0.0
+            else k * max(at["depth"], 0.0) ** (p - q) + c * at["rate"]
+        )
 
     def turn(_: float, y: Vector) -> float:
         return motion.pieces(y)["rate"]
 
-    def grip(t: float, y: Vector) -> float:
+    def grip(_: float, y: Vector) -> float:
         at = motion.pieces(y)
-        if t < motion.armed:
-            return 1.0
         limited = at["elastic"] if terms.limit == 1 and terms.stiffness > 0.0 else at["force"]
-        return terms.coefficient * at["normal"] - norm(limited)
+        return terms.coefficient * at["normal"] - norm(limited) + ROUNDING * scale
 
     def slipping(_: float, y: Vector) -> float:
         at = motion.pieces(y)
@@ -322,7 +348,8 @@ def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[An
 
     def negligible(_: float, y: Vector) -> float:
         at = motion.pieces(y)
-        return at["normal"] - NEGLIGIBLE * scale if at["rate"] < 0.0 else 1.0
+        part = NEGLIGIBLE if motion.part is None else 10.0 * NEGLIGIBLE  # by differences over 1e-6 durations
+        return at["normal"] - part * scale if at["rate"] < 0.0 else 1.0
 
     (p, q), (k, c) = motion.pair.powers, motion.pair.coefficients
     scale = k ** (1.0 / (p + 1.0))
@@ -336,9 +363,9 @@ def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[An
     chosen: list[tuple[str, Any]] = [("end", end)]
     if terms.loading != terms.unloading and not motion.unloads:
         chosen.append(("turn", turn))
-    if motion.part is not None:
-        chosen += [("slip", follows), ("hold", holds)]
-    elif terms.coefficient < np.inf and motion.kept is None:
+    if motion.part is not None and motion.held is None:
+        chosen += [("slip", follows), ("hold", holds), ("negligible", negligible)]
+    elif motion.part is None and terms.coefficient < np.inf and motion.kept is None:
         chosen += [("stick", slipping), ("negligible", negligible)] if motion.slips else [("slip", grip)]
     for _, event in chosen:
         event.terminal, event.direction = True, -1.0

@@ -1,5 +1,8 @@
 // Program for test_comparison.py: compares a column of six balls whose upper balls collide very often in the
-// event-driven model. Prints the number of collisions that the comparison computes, and its answer.
+// event-driven model. Prints the number of collisions that the comparison computes, its answer, and the largest
+// difference of the energies of all balls from that of the column, relative to the latter.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "column/comparison.hpp"
@@ -40,6 +43,21 @@ std::shared_ptr<const col::Column<Counted>> six_balls() {
     return std::make_shared<const col::Column<Counted>>(std::move(c));
 }
 
+// Of Newton's equations, at all times at which a contact begins or ends.
+double energy_difference(const col::Solution& newton) {
+    const std::vector<double> times = newton.knots();
+    col::States states(times.size(), 6);
+    newton.sample(times.data(), states);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        const double total = states.total[i].kinetic + states.total[i].potential;
+        double sum = -total;
+        for (std::size_t j = 0; j < 6; ++j) sum += states.energy[6 * i + j];
+        largest = std::max(largest, std::abs(sum / total));
+    }
+    return largest;
+}
+
 }  // namespace
 
 int main() {
@@ -49,5 +67,6 @@ int main() {
     const auto independent = col::solve_column(column, col::Model::independent, options);
     Counted::collisions = 0;
     const col::Comparison found = col::compare_models(column, options, *newton, *independent, 0.01);
-    std::printf("%ld %s\n", Counted::collisions, col::answer_names[static_cast<int>(found.answer)]);
+    std::printf("%ld %s %g\n", Counted::collisions, col::answer_names[static_cast<int>(found.answer)],
+                energy_difference(*newton));
 }

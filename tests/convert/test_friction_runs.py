@@ -118,13 +118,13 @@ def bodies(wall, impacts, gap):
             yield y, 2.0 * radius + gap, 0.5 * v, -half, 0.5 * w
 
 
-def largest_error(converted, wall, rows_of, folder):
+def largest_error(converted, wall, rows_of, folder, count=STEPS):
     """The largest difference of β; ``rows_of`` runs the code, and returns velocity along x and spin of each grain."""
     impacts = Impacts.random(7)
     beta, duration = expected(converted, wall, impacts)
-    step = duration / STEPS
+    step = duration / count
     grains = list(bodies(wall, impacts, GAP * SPEED * step))
-    velocity, spin = rows_of(text_of(converted, wall), wall, grains, step, int(1.3 * STEPS), folder).T
+    velocity, spin = rows_of(text_of(converted, wall), wall, grains, step, int(1.3 * count), folder).T
     if not wall:
         velocity, spin = velocity[1::2] - velocity[::2], spin[1::2] + spin[::2]
     return np.abs(impacts.restitution(velocity, spin) - beta).max()
@@ -179,14 +179,15 @@ def test_lammps_has_the_tangential_restitution(model, wall, tmp_path):
 
 
 @pytest.mark.skipif(bool(MISSING), reason=MISSING)
-@pytest.mark.parametrize("wall", [False, slow(True)])
+@pytest.mark.parametrize("wall", [slow(False), True])
 @pytest.mark.parametrize("model", ["hooke-restitution", slow("hertz-tsuji")])
 def test_lammps_with_a_force_that_attracts_at_the_end(model, wall, tmp_path):
-    """--attraction: |F_n| limits friction there too. The error falls with the root of the step: 4, 2.5, 1.8 times 1e-3
-    at 1500, 3000, 6000 steps."""
+    """--attraction: |F_n| limits friction there too. Where F_n passes zero, the limit at the nearest step leaves a rest
+    of the spring, which acts until the end. It changes a velocity, so its Δβ is largest near head-on, here at 1.5°; it
+    is in proportion to the step and depends on where the steps fall: 1.2 to 6.4 times 1e-3 at 3000 steps."""
     converted = conversion("lammps", model, attraction=True)
     assert converted.models[0].attraction and "limit_damping" not in text_of(converted, wall)
-    assert largest_error(converted, wall, lammps, tmp_path) < 1.5 * LARGEST
+    assert largest_error(converted, wall, lammps, tmp_path, 4 * STEPS) < LARGEST
 
 
 # --- LIGGGHTS -----------------------------------------------------------------------------------------------

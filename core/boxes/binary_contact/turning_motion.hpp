@@ -280,11 +280,12 @@ public:
             dy[memory] = grown.first;
             dy[memory + 1] = grown.second;
             const double left = limit(at) / math::abs(friction_.coefficient * normal_growth(y, dy));
-            const double difference = math::min(3e-5, 0.01 * left);
-            for (int c = 0; c < memory + 2; ++c) near[c] = y[c] + difference * dy[c];
-            slope[i] = yielding(near);
-            for (int c = 0; c < memory + 2; ++c) near[c] = y[c] - difference * dy[c];
-            slope[i] = (slope[i] - yielding(near)) / (2.0 * difference);
+            const double difference = math::min(3e-4, 0.01 * left);
+            slope[i] = 0.0;
+            for (const int k : {-2, -1, 1, 2}) {
+                for (int c = 0; c < memory + 2; ++c) near[c] = y[c] + k * difference * dy[c];
+                slope[i] += (k % 2 == 0 ? -0.5 * k : 8.0 * k) / (12.0 * difference) * yielding(near);
+            }
         }
         const double gain = slope[1] - slope[0];
         return slope[1] > 0.0 && gain > 0.0 ? (-slope[0] - pull_back * yielding(y)) / gain : math::infinity;
