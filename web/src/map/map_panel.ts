@@ -161,6 +161,10 @@ export class MapPanel {
     return axis === "gap" && across === "e" && show !== "count" && show !== "verdict";
   }
 
+  private get lineShown(): Agreement | null {
+    return this.hasLine ? this.agreement : null;
+  }
+
   private box(): Box {
     const { scenario, view, drop } = this.state;
     const { run } = drop!.newton;
@@ -180,6 +184,7 @@ export class MapPanel {
     this.findAgreement();
     this.layout = this.paint(sheet.g, sheet.width, sheet.height, state.theme);
     this.reading.write();
+    setText(find("map-words"), map.inWords(state.view.map.show, this.lineShown));
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
     dataset.resolution = String(map.resolution);
@@ -191,8 +196,8 @@ export class MapPanel {
   // The picture in any size and theme.
   paint(g: CanvasRenderingContext2D, width: number, height: number, theme: Theme): MapLayout {
     const { map } = this.state.view;
-    const agreement = this.hasLine ? this.agreement : null;
-    return this.map.draw(g, width, height, this.state.scenario, map, this.marked(), theme, agreement, this.box());
+    const { state, lineShown } = this;
+    return this.map.draw(g, width, height, state.scenario, map, this.marked(), theme, lineShown, this.box());
   }
 
   // The setting, the axes, the tolerance of the verdict, and all computed points.
