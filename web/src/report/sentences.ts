@@ -805,7 +805,8 @@ const colours: Row<StoryFacts>[] = [
     (t) => count(t) === 2 && !cradle(t),
     () =>
       "Event-driven simulation computes many grains as the textbook does two: one collision after the other. " +
-      "Each point of the map is a drop with its own ε and gap. Its colour compares: the effective restitution ε_eff is the ε " +
+      "Each point of the map is a drop with its own ε and gap. Its colour compares: the effective restitution ε_eff " +
+      "is the ε " +
       "that would make the textbook’s balls part as Newton’s do. At ε_eff/ε = 1 the textbook is right. Choose points.",
   ],
 ];
