@@ -285,7 +285,7 @@ test("story: what the reader has not come to is printed too, each drawing in its
       .filter(({ height }) => height > 0)
       .sort((a, b) => a.top - b.top),
   );
-  assert.equal(places.length, 6 + 10 + 9);
+  assert.equal(places.length, 6 + 11 + 9);
   places.forEach(({ what, top }, i) =>
     assert.ok(i === 0 || top > places[i - 1].bottom - 1, `${what} over ${places[i - 1]?.what}`),
   );

@@ -307,7 +307,7 @@ function checkQuantities({ text, numbers, id }, where) {
     const half = 0.5001 * scale * 10 ** places;
     const known = Object.entries(numbers)
       .flatMap(([key, x]) => (key === "ratio" ? [x - 1, 1 - x] : [x, Math.abs(x)]))
-      .concat(id === "compressed" ? [0.05] : [], 0.01);
+      .concat(id === "compressed" || id === "band-deep" ? [0.05] : [], 0.01);
     assert.ok(
       known.some((x) => Math.abs(x - shown) <= half),
       `${where}: ${digits} ${unit} in “${text}” is none of ${JSON.stringify(numbers)}`,
@@ -415,6 +415,10 @@ const storyClaims = {
     bands.length === 2 && ended(newton) && ended(icm),
     { soft: bands[0], stiff: bands[1] },
   ],
+  "band-deep": ({ py }) => [
+    py.bands.length === 2 && py.newton.compression >= 0.05,
+    { compression: py.newton.compression },
+  ],
   lone: ({ py, cradle }) => [!cradle && py.lone !== null, py.lone],
   restitution: (f) => restitution(f, false),
   "restitution-cradle": (f) => restitution(f, true),
@@ -427,6 +431,9 @@ const storyClaims = {
   },
   "out-many": ({ py }) => [followed(py) && py.overlapping > 0, {}],
   "out-nothing": ({ py }) => [followed(py) && py.overlapping === 0, {}],
+  "seen-floor": (f) => [storyClaims["out-floor"](f)[0], { contacts: f.py.newton.contacts }],
+  "seen-many": (f) => [followed(f.py) && f.py.overlapping > 0 && !(pair(f) && storyClaims["out-floor"](f)[0]), {}],
+  "seen-apart": ({ py }) => [followed(py) && py.overlapping === 0, {}],
   forces: ({ cradle }) => [!cradle, {}],
   "forces-cradle": ({ cradle }) => [cradle, {}],
   colours: (f) => [pair(f), {}],

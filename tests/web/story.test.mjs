@@ -239,6 +239,57 @@ test("the story: some chapters have balls of their own, and the others those of 
   await says(page, "map", /^The map counts contacts/);
 });
 
+test("the story is printed with the balls of each chapter, wherever the reader is", async (t) => {
+  for (const [step, papers] of [
+    ["predict", ["timeline", "map"]],
+    ["count", ["timeline", "map", "rebound"]],
+  ]) {
+    const page = await open(t, `?story=${step}`);
+    // Complete when the pictures that the screen does not show are computed.
+    const printed = () =>
+      page.evaluate(() => {
+        dispatchEvent(new Event("beforeprint"));
+        const texts = Object.fromEntries(
+          [...document.querySelectorAll(".chapter[data-step]")].map((chapter) => [
+            chapter.dataset.step,
+            [...chapter.querySelectorAll(".text, .beside")].map((x) => x.textContent).join(" "),
+          ]),
+        );
+        const papers = [...document.querySelectorAll(".paper")].map((x) => x.parentElement.querySelector("[id]").id);
+        // Share of the picture that is not blank.
+        const inks = [...document.querySelectorAll(".paper")].map((x) => {
+          const { data } = x.getContext("2d").getImageData(0, 0, x.width, x.height);
+          return data.filter((a, i) => i % 4 === 3 && a > 0).length / (x.width * x.height);
+        });
+        dispatchEvent(new Event("afterprint"));
+        return { texts, papers, inks };
+      });
+    const before = await page.evaluate(() => [window.hardlimit.report().step, window.hardlimit.report().toml]);
+    let paper;
+    for (let k = 0; k < 60; k++) {
+      paper = await printed();
+      if (/^Above|Above the line/.test(paper.texts.map) && /are back\. Let go touching/.test(paper.texts.gap)) break;
+      await page.waitForTimeout(500);
+    }
+    assert.match(paper.texts.predict, /^A tennis ball above a basketball: both are let go together/);
+    assert.match(paper.texts.slow, /^Drop the basketball alone/);
+    assert.match(paper.texts.count, /^For this chapter the balls change.* At ε = 0\.7 the balls touch four times/);
+    assert.match(
+      paper.texts.gap,
+      /^The basketball and the tennis ball are back\. Let go touching, the tennis ball reaches 0\.689 m/,
+    );
+    assert.match(paper.texts.map, /^For this chapter the balls change.*Above the line both models agree/);
+    assert.deepEqual(paper.papers.sort(), papers.sort());
+    for (const ink of paper.inks) assert.ok(ink > 0.02, String(paper.inks));
+    await page.waitForFunction(() => !document.querySelector(".paper"));
+    assert.deepEqual(
+      await page.evaluate(() => [window.hardlimit.report().step, window.hardlimit.report().toml]),
+      before,
+    );
+    await page.close();
+  }
+});
+
 test("the story: one contact, all contacts, with sliders for ε and the gap", async (t) => {
   const page = await open(t, "?story=slow");
   const paragraph = (k, pattern) =>

@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
+import { Canvas, theme } from "./canvas.mjs";
 import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
@@ -14,6 +15,9 @@ const lib = await load(
   "story_view",
   "link",
   "map_box",
+  "map_drawing",
+  "plot",
+  "trust",
   "presets",
   "toml",
   "view",
@@ -534,4 +538,79 @@ test("the map: zooming keeps a point in its place, moving keeps the size, and ne
           y[1] <= limits.y[1] * (1 + 1e-12),
       );
   }
+});
+
+// Lines of agreement of every kind: [gap of the column at ε], as agreement_gaps() of the core has them.
+const lines = (random) => [
+  () => 1e-3,
+  (e) => 1e-4 * 30 ** e,
+  (e) => 1e-4 * 1e4 ** (e * e), // from the bottom to the top
+  (e) => (e > 0.5 ? 2e-3 : Infinity),
+  (e, i) => (i === 20 ? 1e-3 : NaN), // a single column
+  () => 1e-6, // everything agrees
+  () => 9.9e-3, // at the upper edge
+  () => [1e-3 * random(), Infinity, NaN, -1e-3][Math.floor(4 * random())],
+  () => Infinity,
+  () => NaN,
+  () => -1e-3,
+  (e) => (e > 0.5 ? Infinity : NaN),
+];
+
+test("the map: both sides of the line have names, clear of it and of the mark, in every window", () => {
+  const random = randomness(41);
+  const kinds = new Set();
+  for (const gapAt of lines(random))
+    for (const [w, h] of [
+      [340, 300],
+      [390, 500],
+      [760, 260],
+      [1280, 700],
+      [2500, 1300],
+    ]) {
+      const points = Array.from({ length: 64 }, (_, i) => 0.05 + (0.95 * i) / 63).map((restitution, i) => ({
+        restitution,
+        gap: gapAt(restitution, i),
+      }));
+      const mark = [0.05 + 0.95 * random(), 1e-6 * 1e4 ** random()];
+      const g = new Canvas();
+      const size = lib.fontSize(w);
+      const f = { left: 60, top: 30, width: w - 80, height: h - 100 };
+      const x = new lib.Scale(0.05, 1, f.left, f.left + f.width);
+      const y = new lib.Scale(1e-6, 1e-2, f.top + f.height, f.top, true);
+      lib.drawTrust(g, { points, tolerance: 0.01 }, x, y, f, theme, size, mark);
+      const { above, below, none } = lib.regionNames(points, 0.01);
+      const texts = g.drawn.filter(({ kind }) => kind === "text");
+      const where = `${gapAt}, ${w} × ${h}, mark ${mark}`;
+      const line = points.filter(({ gap }) => gap > 0 && gap < Infinity).map((p) => [x.at(p.restitution), y.at(p.gap)]);
+      for (const { text, left, right, top, bottom } of texts) {
+        kinds.add(text);
+        assert.ok(left >= f.left && right <= f.left + f.width && top >= f.top && bottom <= f.top + f.height, where);
+        const [mx, my] = [x.at(mark[0]), y.at(mark[1])];
+        assert.ok(
+          mx < left - 8 || mx > right + 8 || my < top - 8 || my > bottom + 8,
+          `${text} over the mark: ${where}`,
+        );
+        for (const [, py] of line.filter(([px]) => px >= left && px <= right))
+          assert.ok(above.includes(text) ? bottom < py : top > py, `${text} on the wrong side: ${where}`);
+      }
+      // A region with room for a name has one.
+      const room = [
+        Math.min(...line.map(([, py]) => py)) - f.top,
+        f.top + f.height - Math.max(...line.map(([, py]) => py)),
+      ];
+      const wide = line.length === 64;
+      [above, below].forEach((names, i) => {
+        if (wide && room[i] > 6 * size)
+          assert.ok(
+            texts.some(({ text }) => names.includes(text)),
+            `${names[0]}: ${where}`,
+          );
+      });
+      assert.equal(none.length > 0, line.length === 0, where);
+      if (none.length > 0) assert.ok(texts.length === 1 && none.includes(texts[0].text), where);
+      const words = lib.mapInWords("effective", 4, { points, tolerance: 0.01 });
+      assert.match(words, /^Colours: effective ε over ε: 0 to 1\. [A-Z]?.*(?:trusted|line|compare).*\.$/, words);
+    }
+  assert.ok(kinds.size >= 7, [...kinds].join());
+  assert.equal(lib.mapInWords("count", 4, null), "Colours: ball–ball contacts (Newton): 0 to 4.");
 });

@@ -452,8 +452,12 @@ class Page {
   private drawAll(): void {
     if (!this.state.drop) return;
     this.state.redraw();
-    for (const { picture } of [this.film, this.forces, this.timeline]) picture.refresh();
-    this.map.drawIfDue(Infinity);
+    const pictures = (): void => {
+      for (const { picture } of [this.film, this.forces, this.timeline]) picture.refresh();
+      this.map.drawIfDue(Infinity);
+    };
+    pictures();
+    if (Sheet.printing && this.presenter.print()) pictures();
     this.presenter.frame(performance.now());
   }
 }

@@ -8,7 +8,7 @@ import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
 import type { Limits } from "../scenario/axes";
 import type { Box, MapAxis, MapShow, MapView } from "../scenario/view";
-import { drawMap, type Layer, type MapLayout } from "./map_drawing";
+import { drawMap, mapInWords, type Layer, type MapLayout } from "./map_drawing";
 import { Raster, SIDE, type CountLabel } from "./map_raster";
 import type { Agreement } from "./trust";
 
@@ -146,6 +146,10 @@ export class ContactMap {
     return this.raster.computed().map(({ place, values }) => [...this.pointOf(place), ...values]);
   }
 
+  inWords(show: MapShow, agreement: Agreement | null): string {
+    return mapInWords(show, this.raster.greatest, agreement);
+  }
+
   setShow(show: MapShow): void {
     this.raster.setShow(show);
     this.labels = this.elapsed === null ? [] : this.raster.labels();
@@ -164,9 +168,9 @@ export class ContactMap {
   ): MapLayout {
     void this.received;
     if (this.elapsed !== null) this.before = null;
-    const { greatest, kinds } = this.raster;
+    const { greatest, highest, kinds } = this.raster;
     const layers = [...(this.before ? [this.before] : []), { sheet: this.raster.picture(), box: this.box }];
     const { labels } = this;
-    return drawMap(g, w, h, { layers, view, scenario, map, labels, greatest, kinds, mark, agreement }, theme);
+    return drawMap(g, w, h, { layers, view, scenario, map, labels, greatest, highest, kinds, mark, agreement }, theme);
   }
 }

@@ -15,7 +15,7 @@ import {
 } from "../style/theme";
 import { axes } from "../scenario/axes";
 import type { Scenario } from "../scenario/scenario";
-import { drawTrust, type Agreement } from "./trust";
+import { drawTrust, regionsInWords, type Agreement } from "./trust";
 import type { Box, MapAxis, MapShow, MapView } from "../scenario/view";
 import type { CountLabel } from "./map_raster";
 
@@ -30,6 +30,7 @@ export interface MapPicture {
   map: Pick<MapView, "axis" | "across" | "show">;
   labels: CountLabel[]; // of the last layer
   greatest: number; // count
+  highest: number; // ε_eff/ε
   kinds: ReadonlySet<string>; // colours beside the scale
   mark: [number, number];
   agreement: Agreement | null;
@@ -62,7 +63,7 @@ export function drawMap(g: CanvasRenderingContext2D, w: number, h: number, p: Ma
     g.drawImage(sheet, left, high, right - left, low - high);
   }
   if (p.labels.length > 0) drawLabels(g, x, y, p, theme, size);
-  if (p.agreement) drawTrust(g, p.agreement, x, y, f, theme, size);
+  if (p.agreement) drawTrust(g, p.agreement, x, y, f, theme, size, p.mark);
   g.restore();
   const most = f.width / (5 * size);
   drawAxes(g, f, x, y, textOf(p, across, x, most), textOf(p, axis, y, f.height / (3 * size)), theme, size, false);
@@ -147,6 +148,18 @@ const legendNames: Record<MapShow, string> = {
 // In the order of the core's answers.
 export const verdictNames = ["agree", "by luck", "do not agree", "cannot be said"];
 
+// What the colours and the regions mean, for those who do not see them.
+export function mapInWords(show: MapShow, greatest: number, agreement: Agreement | null): string {
+  const scales = {
+    count: `0 to ${greatest}`,
+    effective: "0 to 1",
+    separation: "0 to 1",
+    verdict: verdictNames.join(", "),
+  };
+  const regions = agreement ? ` ${regionsInWords(agreement.points, agreement.tolerance)}` : "";
+  return `Colours: ${legendNames[show]}: ${scales[show]}.${regions}`;
+}
+
 // The name of the colours, the scale, and what is beside it.
 function drawLegend(
   g: CanvasRenderingContext2D,
@@ -184,10 +197,11 @@ function drawLegend(
   }
 }
 
-function swatchesOf({ kinds }: MapPicture, show: MapShow): [string, Rgb][] {
+function swatchesOf({ kinds, highest }: MapPicture, show: MapShow): [string, Rgb][] {
   const list: [string, Rgb][] =
     show === "verdict" ? verdictNames.slice(0, 3).map((name, i) => [name, verdictColors[i]]) : [];
-  if (kinds.has("above")) list.push(["above 1", ratioColor(1.5)]);
+  if (kinds.has("above"))
+    list.push([highest < 1.005 ? "just above 1" : `above 1, up to ${digits(highest, 3)}`, ratioColor(1.5)]);
   if (kinds.has("none")) list.push(["none", noRatioColor]);
   if (kinds.has("invalid") || show === "verdict")
     list.push([show === "verdict" ? verdictNames[3] : "no answer", invalidColor]);

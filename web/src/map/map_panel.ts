@@ -11,10 +11,11 @@ import type { Pool } from "../core/pool";
 import type { Trusted } from "../report/facts";
 import { axes, hasAxis, mapAxes, placed, type MapAxis } from "../scenario/axes";
 import { lowestHeight, type Scenario } from "../scenario/scenario";
+import { scaleOf } from "../views/rebound";
 import { observed, type Drawing } from "../state/signals";
 import type { State } from "../state/state";
 import type { Theme } from "../style/theme";
-import { mapLimits, wholeMap, type Box, type View } from "../scenario/view";
+import { mapLimits, wholeMap, widened, type Box, type View } from "../scenario/view";
 
 export class MapPanel {
   readonly map: ContactMap;
@@ -82,12 +83,10 @@ export class MapPanel {
 
   // The map of ε_eff/ε over the gap, if available.
   showTrusted(): void {
-    const { view, scenario } = this.state;
+    const { view, scenario, drop } = this.state;
     const pair = scenario.balls.length === 2 && !scenario.cradle;
     Object.assign(view.map, { axis: "gap", across: "e", zoom: null, show: pair ? "effective" : "count" });
-    const { x, y } = this.box();
-    // Extended towards the region of agreement.
-    this.showAs({ ...view.map, zoom: { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] } });
+    this.showAs({ ...view.map, zoom: widened(scenario, ...scaleOf(drop!)) });
   }
 
   showAs(map: View["map"]): void {
@@ -161,12 +160,13 @@ export class MapPanel {
     return axis === "gap" && across === "e" && show !== "count" && show !== "verdict";
   }
 
+  private get lineShown(): Agreement | null {
+    return this.hasLine ? this.agreement : null;
+  }
+
   private box(): Box {
     const { scenario, view, drop } = this.state;
-    const { run } = drop!.newton;
-    const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : drop!.to - drop!.from;
-    const speed = scenario.cradle ? Math.max(...scenario.velocities.map(Math.abs)) : run.impactSpeed;
-    return view.map.zoom ?? wholeMap(scenario, view.map.axis, floor, speed, view.map.across);
+    return view.map.zoom ?? wholeMap(scenario, view.map.axis, ...scaleOf(drop!), view.map.across);
   }
 
   // Computes the region of agreement after the map.
@@ -180,6 +180,7 @@ export class MapPanel {
     this.findAgreement();
     this.layout = this.paint(sheet.g, sheet.width, sheet.height, state.theme);
     this.reading.write();
+    setText(find("map-words"), map.inWords(state.view.map.show, this.lineShown));
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
     dataset.resolution = String(map.resolution);
@@ -191,8 +192,8 @@ export class MapPanel {
   // The picture in any size and theme.
   paint(g: CanvasRenderingContext2D, width: number, height: number, theme: Theme): MapLayout {
     const { map } = this.state.view;
-    const agreement = this.hasLine ? this.agreement : null;
-    return this.map.draw(g, width, height, this.state.scenario, map, this.marked(), theme, agreement, this.box());
+    const { state, lineShown } = this;
+    return this.map.draw(g, width, height, state.scenario, map, this.marked(), theme, lineShown, this.box());
   }
 
   // The setting, the axes, the tolerance of the verdict, and all computed points.

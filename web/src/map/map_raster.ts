@@ -20,6 +20,7 @@ export class Raster {
   private readonly sheet = sheetOf(SIDE);
   show: MapShow = "count";
   greatest = 0; // count
+  highest = 1; // ε_eff/ε
   readonly kinds = new Set<"invalid" | "none" | "above">(); // what the legend has to name beside the scale
 
   clear(): void {
@@ -28,6 +29,7 @@ export class Raster {
     this.values.fill(NaN);
     this.greatest = 0;
     this.kinds.clear();
+    this.highest = 1;
   }
 
   take(place: number, stride: number, values: Float64Array): void {
@@ -40,6 +42,7 @@ export class Raster {
     if (show === this.show) return;
     this.show = show;
     this.kinds.clear();
+    this.highest = 1;
     for (let place = 0; place < SIDE * SIDE; place++)
       if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
   }
@@ -86,7 +89,8 @@ export class Raster {
     if (this.show === "count") return countColor(value);
     if (this.show === "verdict") return verdictColors[value];
     if (Number.isNaN(value)) return this.named("none", noRatioColor);
-    return value > 1.0000001 ? this.named("above", ratioColor(value)) : ratioColor(value);
+    if (value > 1.0000001) this.named("above", ratioColor((this.highest = Math.max(this.highest, value))));
+    return ratioColor(value);
   }
   private named(kind: "invalid" | "none" | "above", color: Rgb): Rgb {
     this.kinds.add(kind);

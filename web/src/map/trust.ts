@@ -2,6 +2,7 @@
 import type { Box } from "../scenario/view";
 import type { Pool } from "../core/pool";
 import { inPercent } from "../scenario/tolerance";
+import { digits, withUnit } from "../support/format";
 import { columnOf, copyOf, type Scenario } from "../scenario/scenario";
 import { observed } from "../state/signals";
 import type { Theme } from "../style/theme";
@@ -58,18 +59,91 @@ export class Agreement {
   }
 }
 
+// The names of what is above and below the line, or of a map that has no line.
+export interface RegionNames {
+  above: string[]; // the longest first
+  below: string[];
+  none: string[];
+}
+
+const onLine = ({ gap }: TrustPoint): boolean => gap > 0 && gap < Infinity;
+
+export function regionNames(points: TrustPoint[], tolerance: number): RegionNames {
+  const names: RegionNames = { above: [], below: [], none: [] };
+  const to = inPercent(tolerance);
+  if (points.some(onLine)) {
+    names.above = [`to be trusted: models agree to ${to}`, `models agree to ${to}`, "models agree"];
+    names.below = ["not to be trusted", "not trusted"];
+  } else if (points.length > 0 && points.every(({ gap }) => gap === Infinity))
+    names.none = [`not to be trusted: models agree to ${to} at no gap shown`, "not to be trusted here"];
+  else if (points.length > 0 && points.every(({ gap }) => Number.isNaN(gap)))
+    names.none = ["no line: at the widest gap nothing to compare", "nothing to compare"];
+  else if (points.length > 0)
+    names.none = [`no line: models do not agree to ${to} at the widest gap`, "no line of agreement"];
+  return names;
+}
+
+// The same in a sentence, for those who do not see the picture.
+export function regionsInWords(points: TrustPoint[], tolerance: number): string {
+  const { above, below, none } = regionNames(points, tolerance);
+  if (none.length > 0) return `${none[0]}.`;
+  const line = points.filter(onLine);
+  if (line.length === 0) return "";
+  const ends = [line[0], line[line.length - 1]].map(
+    ({ restitution, gap }) => `${withUnit(gap, "m", 2)} at ε = ${digits(restitution, 2)}`,
+  );
+  return `A line runs from a gap of ${ends.join(" to one of ")}. Above it, ${above[0]}. Below it, ${below[0]}: models need not agree.`;
+}
+
 export function drawTrust(
   g: CanvasRenderingContext2D,
-  { points, tolerance }: Agreement,
+  { points, tolerance }: Pick<Agreement, "points" | "tolerance">,
   x: Scale,
   y: Scale,
   f: Frame,
   theme: Theme,
   size: number,
+  mark: [number, number],
 ): void {
-  const known = ({ gap }: TrustPoint): boolean => gap > 0 && gap < Infinity;
-  const shown = points.filter((p) => known(p) && p.restitution >= x.low && p.restitution <= x.high);
-  if (shown.length < 2) return;
+  const shown = points.filter((p) => p.restitution >= x.low && p.restitution <= x.high);
+  const parts = partsOf(points, x, y);
+  drawParts(g, parts, size);
+  setFont(g, theme, 1.05 * size, 700);
+  g.textAlign = "center";
+  g.textBaseline = "middle";
+  g.lineWidth = 5;
+  g.lineJoin = "round";
+  g.strokeStyle = "#14161a";
+  g.fillStyle = "#ffffff";
+  const { above, below, none } = regionNames(shown, tolerance);
+  const places = placesIn(f, 1.7 * size, parts.flat(), [x.at(mark[0]), y.at(mark[1])]);
+  for (const [names, side] of [
+    [above, "above"],
+    [below, "below"],
+    [none, "middle"],
+  ] as const)
+    for (const name of names) {
+      const at = places(g.measureText(name).width + size, side);
+      if (!at) continue;
+      g.strokeText(name, ...at);
+      g.fillText(name, ...at);
+      break;
+    }
+}
+
+type Pixel = [x: number, y: number];
+
+// The line in pixels: its parts between columns without a point. A single point is as wide as its column.
+function partsOf(points: TrustPoint[], x: Scale, y: Scale): Pixel[][] {
+  const parts: Pixel[][] = [[]];
+  for (const p of points)
+    if (onLine(p)) parts[parts.length - 1].push([x.at(p.restitution), y.at(p.gap)]);
+    else if (parts[parts.length - 1].length > 0) parts.push([]);
+  const half = points.length > 1 ? 0.5 * (x.at(points[1].restitution) - x.at(points[0].restitution)) : 0;
+  return parts.map((part) => (part.length === 1 ? [-half, half].map((by) => [part[0][0] + by, part[0][1]]) : part));
+}
+
+function drawParts(g: CanvasRenderingContext2D, parts: Pixel[][], size: number): void {
   for (const [color, width] of [
     ["#14161a", 6],
     ["#ffffff", 3],
@@ -78,30 +152,37 @@ export function drawTrust(
     g.lineWidth = width * grown(size);
     g.lineJoin = "round";
     g.beginPath();
-    let before: TrustPoint | null = null;
-    for (const p of points) {
-      if (!known(p)) before = null;
-      else {
-        if (before) g.lineTo(x.at(p.restitution), y.at(p.gap));
-        else g.moveTo(x.at(p.restitution), y.at(p.gap));
-        before = p;
-      }
-    }
+    for (const part of parts) part.forEach((at, i) => (i === 0 ? g.moveTo(...at) : g.lineTo(...at)));
     g.stroke();
   }
-  setFont(g, theme, 1.05 * size, 700);
-  g.textAlign = "center";
-  g.textBaseline = "bottom";
-  g.lineWidth = 5;
-  g.lineJoin = "round";
-  g.strokeStyle = "#14161a";
-  g.fillStyle = "#ffffff";
-  const at: [number, number] = [
-    f.left + 0.5 * f.width,
-    Math.max(Math.min(...shown.map((p) => y.at(p.gap))) - 0.4 * size, f.top + 1.5 * size),
-  ];
-  const long = `models agree to ${inPercent(tolerance)} above this line`;
-  const text = g.measureText(long).width < 0.9 * f.width ? long : "models agree above";
-  g.strokeText(text, ...at);
-  g.fillText(text, ...at);
+}
+
+// Where a name fits beside the line, clear of it and of the mark, as near to the middle as possible; null: nowhere.
+function placesIn(
+  f: Frame,
+  height: number,
+  line: Pixel[],
+  [markX, markY]: Pixel,
+): (width: number, side: "above" | "below" | "middle") => Pixel | null {
+  const clear = 0.7 * height; // of the mark
+  return (width, side) => {
+    const room = f.width - width;
+    if (room < 0) return null;
+    for (let k = 0; k <= 20; k++) {
+      const centre = f.left + 0.5 * f.width + (0.5 * room * ((k % 2 === 0 ? 1 : -1) * Math.ceil(k / 2))) / 10;
+      const near = line.filter(([x]) => Math.abs(x - centre) <= 0.5 * width + 4).map(([, y]) => y);
+      const over = Math.abs(markX - centre) < 0.5 * width + clear;
+      const start = side === "above" ? Math.min(...near) - 0.8 * height : Math.max(...near) + 0.8 * height;
+      const tries = side === "middle" ? [0.5, 0.3, 0.7].map((share) => f.top + share * f.height) : [start];
+      if (side !== "middle") tries.push(start + (side === "above" ? -2.2 : 2.2) * height);
+      const at = tries.find(
+        (y) =>
+          y - 0.5 * height >= f.top &&
+          y + 0.5 * height <= f.top + f.height &&
+          !(over && Math.abs(markY - y) < 0.5 * height + clear),
+      );
+      if (at !== undefined && (side === "middle" || near.length > 0)) return [centre, at];
+    }
+    return null;
+  };
 }

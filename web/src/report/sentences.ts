@@ -115,7 +115,8 @@ export const warningRows: Row<Facts>[] = [
     ({ newton: { run } }) => run.largestCompression >= SHALLOW && run.outcome !== outcomes.tooDeep,
     ({ newton: { run } }) =>
       `A contact is compressed by ${digits(100 * run.largestCompression, 2)} % of the smaller radius; ` +
-      `contact laws are meant for less than ${inPercent(SHALLOW)}.`,
+      `contact laws are meant for less than ${inPercent(SHALLOW)}, for balls that stay nearly round. ` +
+      "So these numbers are estimates; stiffer balls or slower ones are compressed less.",
     (f) => ({ compression: f.newton.run.largestCompression }),
   ],
 ];
@@ -591,6 +592,8 @@ const predict: Row<StoryFacts>[] = [
   ["drop-differ", always, (t) => `${rose(t)} ${textbook}promises ${metres(icm(t))}.`, bothValues],
 ];
 
+const pressed = (t: StoryFacts): number => t.drop.newton.run.largestCompression;
+
 // Said of balls whose mass, size and bounce are known, but not their stiffness.
 const bands: Row<StoryFacts>[] = [
   [
@@ -605,6 +608,14 @@ const bands: Row<StoryFacts>[] = [
       );
     },
     ({ drop: { band } }) => ({ soft: band![0], stiff: band![1] }),
+  ],
+  [
+    "band-deep",
+    (t) => t.drop.band !== null && bothPlain(t) && pressed(t) >= SHALLOW,
+    (t) =>
+      `The balls are pressed in by up to ${digits(100 * pressed(t), 2)} % of the ${topName(t)}’s radius; simple laws ` +
+      `of contact are meant for less than ${inPercent(SHALLOW)}.`,
+    (t) => ({ compression: pressed(t) }),
   ],
 ];
 
@@ -793,7 +804,9 @@ const colours: Row<StoryFacts>[] = [
     "colours",
     (t) => count(t) === 2 && !cradle(t),
     () =>
-      "Each point is a drop with its own ε and gap. Its colour compares: the effective restitution ε_eff is the ε " +
+      "Event-driven simulation computes many grains as the textbook does two: one collision after the other. " +
+      "Each point of the map is a drop with its own ε and gap. Its colour compares: the effective restitution ε_eff " +
+      "is the ε " +
       "that would make the textbook’s balls part as Newton’s do. At ε_eff/ε = 1 the textbook is right. Choose points.",
   ],
 ];
@@ -860,6 +873,36 @@ const map: Row<StoryFacts>[] = [
   ],
 ];
 
+// What the reader can say at the end.
+const contactsLast = "What you have seen: a contact takes time.";
+const seen: Row<StoryFacts>[] = [
+  [
+    "seen-floor",
+    (t) => answered(t) && overlapping(t) > 0 && meetsOnFloor(t),
+    (t) => {
+      const n = t.drop.newton.run.nContacts;
+      return (
+        `${contactsLast} The ${topName(t)} arrives while the floor still pushes the ${lowName(t)}, before the first ` +
+        `contact has ended${n > 1 ? `, and the two touch ${times(n)}` : ""}. The textbook has one collision after the ` +
+        "other. It can be relied on only where each contact has ended before the next begins."
+      );
+    },
+    (t) => ({ contacts: t.drop.newton.run.nContacts }),
+  ],
+  [
+    "seen-many",
+    (t) => answered(t) && overlapping(t) > 0,
+    () =>
+      `${contactsLast} Here several last at the same time; the textbook has one collision after the other. It can be ` +
+      "relied on only where each contact has ended before the next begins.",
+  ],
+  [
+    "seen-apart",
+    (t) => answered(t) && t.drop.newton.run.nContacts > 0,
+    () => `${contactsLast} Here no two last at the same time, which is what the textbook takes for granted.`,
+  ],
+];
+
 // A chapter on an outcome for which it has no words of its own says what the laboratory says.
 function headline(t: StoryFacts, step: Step): Sentence[] {
   const said = step === "predict" && has(newton(t)) ? predicted(t).trim() : "";
@@ -895,7 +938,8 @@ const chapters: Record<Step, (t: StoryFacts) => Sentence[][]> = {
   ],
   map: (t) => {
     const about = [...allOf(otherBalls, t), ...allOf(colours, t)];
-    return about.length > 0 ? [about, [chosen(map, t)!]] : [[chosen(map, t)!], []];
+    const last = chosen(seen, t);
+    return [...(about.length > 0 ? [about, [chosen(map, t)!]] : [[chosen(map, t)!], []]), last ? [last] : []];
   },
 };
 export const paragraphs = (step: Step, t: StoryFacts): Sentence[][] => chapters[step](t);

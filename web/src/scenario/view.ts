@@ -60,6 +60,12 @@ function wholeGap(s: Scenario, floorContact: number, speed: number): Limits {
   return [10 ** Math.min(top - 4, present[0]), 10 ** Math.max(top, present[1])];
 }
 
+// The range of the gap over ε, extended towards the region of agreement.
+export function widened(s: Scenario, floorContact: number, speed: number): Box {
+  const { x, y } = wholeMap(s, "gap", floorContact, speed);
+  return { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] };
+}
+
 export const mapLimits = (axis: MapAxis, across: MapAxis = "e", s = paper()): Box => ({
   x: axes[across].limits(s),
   y: axes[axis].limits(s),

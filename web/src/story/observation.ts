@@ -1,5 +1,5 @@
 // The first chapter: the drop by both models. The balls can be dragged; a slider also changes the gap.
-import { find, setAttribute, setText, type Sheet } from "../support/dom";
+import { find, setAttribute, setText, Sheet } from "../support/dom";
 import { withUnit } from "../support/format";
 import { Handle, type Pull } from "../support/handle";
 import { fromSlider, toSlider } from "../scenario/slider";
@@ -62,7 +62,7 @@ export class Observation {
     const clock = state.clock();
     const before = d.from - 1e-3 * (d.to - d.from);
     // Where the balls are as they are let go.
-    const time = dragged === "gap" ? before : dragged === "height" ? d.start : state.time();
+    const time = dragged === "gap" ? before : dragged === "height" ? d.start : Sheet.printing ? d.stop : state.time();
     const rate = dragged === "gap" ? clock.rate(0.5 * (d.from + d.to)) : state.view.slow ? clock.rate(time) : 1;
     const moment = {
       time,

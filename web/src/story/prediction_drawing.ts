@@ -11,6 +11,8 @@ import { massOf, releaseHeight } from "../scenario/scenario";
 import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 
+const leastRadius = 10; // of a ball [px]
+
 export interface PredictionPicture {
   drop: Drop;
   newton: Balls;
@@ -75,7 +77,7 @@ export function drawPrediction(
       g.fillText(name, middle, floor + 1.3 * size);
     }
     const line = new Line(g, false, floor, middle);
-    line.balls(t.drop.scenario.balls, balls.position, scale, 10, (i) =>
+    line.balls(t.drop.scenario.balls, balls.position, scale, leastRadius, (i) =>
       model === "icm" ? outlined(theme, Math.max(3, size / 7)) : filled(theme, i, 1),
     );
     const z = t.reached[k];
@@ -87,14 +89,20 @@ export function drawPrediction(
       setFont(g, theme, 1.5 * size, 700);
       g.textAlign = "center";
       g.textBaseline = "bottom";
-      // Above the mark; below it where the line of the guess would cross the number.
-      const crossed = t.guess !== null && Math.abs(y - 0.9 * size - (floor - t.guess * scale)) < 1.2 * size;
-      const bottom = crossed ? y + 2.3 * size : Math.max(y - 0.3 * size, 1.8 * size);
       const wide = g.measureText(metres(z)).width + 0.6 * size; // covers the lines of the ruler behind the number
+      // Beside the ball, where the lane has room for it; otherwise above the ball.
+      const radius = Math.max(t.drop.scenario.balls.at(-1)!.radius * scale, leastRadius);
+      const beside = radius + 0.6 * wide;
+      const fits = beside + 0.5 * wide < 0.5 * lane;
+      const at = fits ? middle - beside : middle;
+      // Above the mark; below it where the line of the guess would cross the number.
+      const lift = fits ? 0.3 * size : radius;
+      const crossed = t.guess !== null && Math.abs(y - lift - 0.6 * size - (floor - t.guess * scale)) < 1.2 * size;
+      const bottom = crossed ? y + lift + 2 * size : Math.max(y - lift, 1.8 * size);
       g.fillStyle = theme.ground;
-      g.fillRect(middle - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
+      g.fillRect(at - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
       g.fillStyle = theme[model];
-      g.fillText(metres(z), middle, bottom);
+      g.fillText(metres(z), at, bottom);
     }
   });
   if (t.guess === null && !t.falling && !Sheet.printing) {

@@ -14,6 +14,7 @@ import type { State } from "../state/state";
 import type { Scenario } from "../scenario/scenario";
 import type { View } from "../scenario/view";
 import { ContactSteps } from "./contact_steps";
+import { Paper } from "./paper";
 import { Prediction } from "./prediction";
 import { Story } from "./story";
 import { Observation } from "./observation";
@@ -52,12 +53,14 @@ export class Presenter {
       arrived: (step: Step) => this.arrive(step),
       showMap: (view: View["map"] | null) => (view ? this.map.showAs(view) : this.map.showTrusted()),
       left: () => this.show(),
+      paintCurve: (...paper: Parameters<ReboundPanel["paint"]>) => this.rebound.paint(...paper),
       put,
     };
     this.story = new Story(
       state,
       view,
       film,
+      new Paper(pool),
       this.frames,
       host,
       new Observation(state, film, new Sheet("duel", resized), moves, textSize),
@@ -125,6 +128,11 @@ export class Presenter {
     this.mini.picture.refresh();
     this.rebound.drawIfDue(now);
     this.story.frame(now);
+  }
+
+  // Before the pictures for paper are drawn: whether those of other balls are drawn then.
+  print(): boolean {
+    return this.story.print();
   }
 
   // ---- the story ----------------------------------------------------------------------------------------

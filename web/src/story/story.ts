@@ -7,14 +7,16 @@ import type { Prediction } from "./prediction";
 import { ballsOfChapter, firstStep, sameScenario, steps, type StoryView, type Step } from "../scenario/story_view";
 import { presets } from "../scenario/presets";
 import { copyOf, type Scenario } from "../scenario/scenario";
-import { Drawing } from "../state/signals";
+import { Drawing, observed } from "../state/signals";
 import type { State } from "../state/state";
 import type { View } from "../scenario/view";
 import { joined, type Sentence } from "../support/sentence";
 import type { StoryFacts } from "../report/facts";
 import { paragraphs, titleOf } from "../report/sentences";
+import type { ReboundPanel } from "../views/rebound_panel";
 import type { ContactSteps } from "./contact_steps";
 import type { Observation } from "./observation";
+import type { Paper } from "./paper";
 
 // Functions of the page that the story uses.
 export interface StoryHost {
@@ -22,7 +24,14 @@ export interface StoryHost {
   arrived(step: Step): void; // a chapter comes into view
   showMap(view: View["map"] | null): void; // null: the map of the last chapter
   left(): void;
+  paintCurve: ReboundPanel["paint"];
   put(scenario: Scenario): void; // other balls, which cannot be undone
+}
+
+// The balls of the screen, and those of the story while a chapter has its own.
+interface Screen {
+  state: Pick<State, "scenario" | "drop" | "answer" | "screen" | "playing">;
+  home: Scenario | null;
 }
 
 export class Story {
@@ -46,11 +55,14 @@ export class Story {
   private scrolled = true;
   private home: Scenario | null = null; // balls of the story while a chapter has its own
   private aim: Step | null = null; // chapter to scroll to, until the reader scrolls
+  private printing = false;
+  private screen: Screen | null = null; // what the screen shows, while other balls are printed
 
   constructor(
     private readonly state: State,
     private readonly view: StoryView,
     private readonly film: Film,
+    private readonly paper: Paper,
     private readonly frames: Frames,
     private readonly host: StoryHost,
     private readonly observation: Observation,
@@ -58,6 +70,7 @@ export class Story {
     private readonly contact: ContactSteps,
   ) {
     history.scrollRestoration = "manual";
+    observed(this, ["printing"]);
     find("open-story").addEventListener("click", () => this.enter());
     for (const id of ["leave", "leave-too"])
       find(id).addEventListener("click", (e) => {
@@ -173,6 +186,9 @@ export class Story {
   }
 
   prepare(): void {
+    const { state, view, home } = this;
+    const lent = ballsOfChapter({ step: "map", own: view.own });
+    if (home ?? lent) this.paper.prepare((home ?? lent)!, !home, state.view.tolerance);
     if (this.arrived.has("map")) return;
     this.kept ??= { ...this.state.view.map };
     this.host.showMap(null);
@@ -192,6 +208,8 @@ export class Story {
   frame(now: number): void {
     const { state, view } = this;
     if (!view.step || !state.drop) return;
+    if (this.printing && !Sheet.printing) this.afterPrint();
+    this.paper.frame();
     this.prediction.advance(now);
     const { observation, prediction, contact } = this;
     for (const drawing of [observation.controls, observation.picture, prediction.picture, ...contact.drawings])
@@ -199,7 +217,39 @@ export class Story {
     if ((!Sheet.moving || now - this.written >= Sheet.often) && this.texts.refresh()) this.written = now;
     if (this.aim && this.aim !== firstStep) this.scrollTo(this.aim);
     if (this.chapters.every(({ written }) => written)) this.aim = null; // the texts above it may move it
-    if (this.scrolled) this.look();
+    if (this.scrolled && !this.printing) this.look();
+  }
+
+  // Before printing: each chapter gets its own balls. Returns whether the pictures have to be drawn again.
+  print(): boolean {
+    const { state, paper, view, film } = this;
+    if (!view.step || !state.drop) return false;
+    if (this.printing) return this.screen !== null;
+    this.printing = true;
+    const { scenario, drop, answer, screen, playing } = state;
+    if (!paper.drop || paper.lent !== (this.home === null)) return false;
+    if (!this.home) {
+      paper.drawLent(state.theme);
+      if (this.arrived.has("slow")) return false;
+    } else {
+      for (const id of ["timeline", "map"]) paper.keep(id);
+      Object.assign(state, { scenario: paper.drop.scenario, drop: paper.drop });
+      state.answer = { of: paper.drop, tolerance: state.view.tolerance };
+      paper.lay("rebound", (g, w, h) => this.host.paintCurve(g, w, h, state.theme, paper.curve));
+    }
+    this.screen = { state: { scenario, drop, answer, screen, playing }, home: this.home };
+    this.home = null;
+    film.seek(0.5 * (state.drop.from + state.drop.to));
+    return true;
+  }
+
+  private afterPrint(): void {
+    this.printing = false;
+    this.paper.clear();
+    if (!this.screen) return;
+    Object.assign(this.state, this.screen.state);
+    this.home = this.screen.home;
+    this.screen = null;
   }
 
   // The chapter that is read is the last one that begins above the middle of the window.
@@ -242,13 +292,16 @@ export class Story {
   private facts(step: Step): StoryFacts | null {
     const { state, view } = this;
     if (!view.step || !state.drop || !state.report) return null;
+    const own = ballsOfChapter({ step, own: view.own }) !== null;
+    const printed = this.printing && own === this.paper.lent ? this.paper.facts() : null;
     return {
       drop: state.drop,
       report: state.report,
       guess: view.guess,
       fall: this.prediction.fall,
       ...this.host.fromPlots(),
-      lent: this.home !== null && ballsOfChapter({ step, own: view.own }) !== null,
+      ...printed,
+      lent: own && (this.home !== null || printed !== null),
       back: step === "gap" && this.home === null && !view.own,
     };
   }
@@ -260,7 +313,8 @@ export class Story {
     for (const chapter of this.chapters) {
       const facts = this.facts(chapter.step);
       if (!facts) return;
-      const other = this.home !== null && !facts.lent;
+      const kept = this.screen?.home && ballsOfChapter({ step: chapter.step, own: this.view.own });
+      const other = (this.home !== null && !facts.lent) || kept;
       if (chapter.written && ((moving && !chapter.seen) || other)) continue;
       const texts = paragraphs(chapter.step, facts).map(joined);
       setText(chapter.title, titleOf(chapter.step, scenario.cradle));

@@ -272,7 +272,11 @@ class World {
     g.strokeStyle = this.color;
     g.lineWidth = Math.max(2, size / 8);
     stroke(g, this.x - wide, y, this.x + wide, y);
+    // Beside the ball, smaller where there is little room.
+    const room = Math.max(wide - this.radius(top) - 0.4 * size, 1);
     setFont(g, theme, 1.5 * size, 700);
+    const fits = Math.min(1, room / g.measureText(metres(peak)).width);
+    setFont(g, theme, Math.max(1.5 * fits, 0.9) * size, 700);
     g.textAlign = "left";
     g.textBaseline = "bottom";
     g.lineWidth = 5;

@@ -1,6 +1,7 @@
 // Rebound height of the top ball by both models over the gap, ε or R1/R2. Few points are computed first, then more
 // where the curve bends or jumps. On a cradle the velocity of the last ball takes the place of the height.
 import type { CurveAxis } from "../scenario/story_view";
+import type { Solved } from "../core/drop";
 import { piece, type Piece, type Pool } from "../core/pool";
 import { columnOf, copyOf, firstGap, lowestHeight, ranges, type Scenario } from "../scenario/scenario";
 import { observed } from "../state/signals";
@@ -23,6 +24,12 @@ export function spanOf(s: Scenario, axis: CurveAxis, floorContact: number, speed
   if (axis === "e") return { low: ranges.restitution.low, high: 1, log: false };
   const { y } = wholeMap(s, axis, floorContact, speed);
   return { low: y[0], high: axis === "gap" ? Math.min(2 * y[1], ranges.gap.high) : y[1], log: true };
+}
+
+// Duration of the floor contact and impact speed of a drop, from which plots take their range.
+export function scaleOf({ scenario: { cradle, velocities }, newton: { run }, from, to }: Solved): [number, number] {
+  const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : to - from;
+  return [floor, cradle ? Math.max(...velocities.map(Math.abs)) : run.impactSpeed];
 }
 
 export function valueOn(s: Scenario, axis: CurveAxis): number {

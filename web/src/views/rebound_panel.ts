@@ -4,8 +4,9 @@ import { digits, metres, withUnit } from "../support/format";
 import type { CurveAxis, StoryView } from "../scenario/story_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "../core/pool";
+import type { StoryFacts } from "../report/facts";
 import { aloneRise } from "../scenario/measured";
-import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
+import { Curve, scaleOf, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import { drawCurves } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, releaseHeight, type Scenario } from "../scenario/scenario";
@@ -47,10 +48,7 @@ export class ReboundPanel {
     if (!state.drop) return;
     this.refreshChoices();
     const { scenario } = state;
-    const { run } = state.drop.newton;
-    const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : state.drop.to - state.drop.from;
-    const speed = scenario.cradle ? Math.max(...scenario.velocities.map(Math.abs)) : run.impactSpeed;
-    const span = spanOf(scenario, view.curve, floor, speed);
+    const span = spanOf(scenario, view.curve, ...scaleOf(state.drop));
     if (this.key !== keyOf(scenario, view.curve, span)) {
       this.key = keyOf(scenario, view.curve, span);
       this.curve.start(scenario, view.curve, span);
@@ -91,12 +89,12 @@ export class ReboundPanel {
   }
 
   // The picture in any size and theme.
-  paint(g: CanvasRenderingContext2D, width: number, height: number, theme: Theme): CurveLayout {
-    return drawCurves(g, width, height, this.contents(), theme);
+  paint(g: CanvasRenderingContext2D, width: number, height: number, theme: Theme, curve = this.curve): CurveLayout {
+    return drawCurves(g, width, height, this.contents(curve), theme);
   }
 
-  private contents(): CurvePicture {
-    const { state, view, curve } = this;
+  private contents(curve = this.curve): CurvePicture {
+    const { state, view } = this;
     const { scenario } = state;
     const pinned = this.pinnedKey !== "";
     const released = scenario.cradle || view.curve === "ratio" ? NaN : releaseHeight(scenario);
@@ -146,11 +144,8 @@ export class ReboundPanel {
   }
 
   // Newton's height at gap 0 and the greatest one over all gaps; null until the curve is complete.
-  extremes(): { touching: number; best: number; at: number } | null {
-    const { points, touching, axis, done } = this.curve;
-    if (!done || axis !== "gap" || !touching) return null;
-    const best = [touching, ...points].reduce((a, b) => (b.newton > a.newton ? b : a));
-    return { touching: touching.newton, best: best.newton, at: best.x };
+  extremes(): StoryFacts["gaps"] {
+    return extremesOf(this.curve);
   }
 
   private choose(x: number): void {
@@ -264,4 +259,10 @@ function keyOf(scenario: Scenario, axis: CurveAxis, span: object): string {
   else if (axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : 0));
   else s.balls[0].radius = 0;
   return JSON.stringify([s, axis, span]);
+}
+
+export function extremesOf({ points, touching, axis, done }: Curve): StoryFacts["gaps"] {
+  if (!done || axis !== "gap" || !touching) return null;
+  const best = [touching, ...points].reduce((a, b) => (b.newton > a.newton ? b : a));
+  return { touching: touching.newton, best: best.newton, at: best.x };
 }
