@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Checks of the explorer: the committed page is what its sources give, the WebAssembly core returns the native bits, and
-# the page does in Chromium and in Firefox what it should. Needs clang-19, the packages named in build.sh, chromium,
-# firefox-esr, node 20 or newer, and PYTHON, an interpreter that has hardlimit installed. SHOTS=FOLDER keeps
-# screenshots; TIMES=off ignores the limits on times, for a busy machine.
+# the page does in Chromium and in Firefox what it should. Needs clang-19, the packages named in build.sh,
+# chromium-headless-shell or chromium, firefox-esr, node 20 or newer, and PYTHON, an interpreter that has hardlimit
+# installed. SHOTS=FOLDER keeps screenshots; TIMES=off ignores the limits on times, for a busy machine.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 work=$(mktemp -d)

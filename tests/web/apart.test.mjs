@@ -1,7 +1,7 @@
 // The pages without their server, and on paper.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { forget, goTo, mapDone, shoot, Site, solved } from "./browser.mjs";
+import { forget, goTo, mapDone, shoot, Site, solved, visit } from "./browser.mjs";
 import { long } from "./scenarios.mjs";
 
 let site;
@@ -18,13 +18,11 @@ async function offline(page) {
 
 test("the laboratory works without network once it is loaded", async (t) => {
   const page = await site.open(t);
-  await mapDone(page);
+  await page.waitForSelector("#map[data-resolution]");
   const requests = await offline(page);
-  for (const axis of ["ratio", "gap"]) {
-    await page.selectOption("#map-axis", axis);
-    await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
-    await mapDone(page);
-  }
+  await page.selectOption("#map-axis", "ratio");
+  await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
+  await page.waitForSelector("#map[data-resolution]");
   for (const value of ["300", "700"]) {
     await forget(page);
     await page.evaluate(
@@ -194,48 +192,48 @@ for (const query of [
   });
 
 test("in a low window the laboratory shows first the film and a slider", async (t) => {
-  for (const viewport of [
-    { width: 844, height: 390 },
-    { width: 640, height: 360 },
+  const page = await site.open(t, "", { viewport: { width: 844, height: 390 } });
+  for (const [width, height] of [
+    [844, 390],
+    [640, 360],
   ]) {
-    const page = await site.open(t, "", { viewport });
+    await page.setViewportSize({ width, height });
     const bottoms = await page.evaluate(() =>
       ["stage", "play", "restitution"].map((id) => document.getElementById(id).getBoundingClientRect().bottom),
     );
-    for (const bottom of bottoms) assert.ok(bottom > 0 && bottom <= viewport.height, `${viewport.width}: ${bottoms}`);
+    for (const bottom of bottoms) assert.ok(bottom > 0 && bottom <= height, `${width}: ${bottoms}`);
   }
-  const story = await site.open(t, "?page=story", { viewport: { width: 640, height: 360 } });
-  const bottom = await story.evaluate(() => document.getElementById("let-go").getBoundingClientRect().bottom);
+  await page.goto(`${site.base}?page=story`);
+  await solved(page);
+  const bottom = await page.evaluate(() => document.getElementById("let-go").getBoundingClientRect().bottom);
   assert.ok(bottom <= 360, `the button of the story ends at ${bottom}`);
 });
 
 test("tables, sliders and buttons fit into their panels", async (t) => {
-  const low = [
-    [480, 320],
-    [568, 320],
-    [640, 360],
-    [667, 375],
-    [740, 360],
-    [844, 390],
-  ].flatMap((size) => ["", "?example=cradle"].map((query) => [query, ...size]));
-  for (const [query, width, height = 720] of [
-    ["?example=cradle", 1280],
-    ["?example=cradle", 1440],
-    ["?example=fig7", 1280],
-    ["?example=astro", 390],
-    ...low,
-  ]) {
-    const page = await site.open(t, query, { viewport: { width, height } });
-    const over = await page.$$eval(".panel :is(table, .track, button, select)", (list) =>
-      list
-        .filter(
-          (x) =>
-            x.checkVisibility() && x.getBoundingClientRect().right > x.closest(".panel").getBoundingClientRect().right,
-        )
-        .map((x) => x.id || x.firstElementChild.id),
-    );
-    assert.deepEqual(over, [], `${query} in ${width} × ${height}`);
-    await page.close();
+  const low = ["480×320", "568×320", "640×360", "667×375", "740×360", "844×390"];
+  const sizes = {
+    "?example=fig2": low,
+    "?example=cradle": ["1280×720", "1440×720", ...low],
+    "?example=fig7": ["1280×720"],
+    "?example=astro": ["390×720"],
+  };
+  const page = await site.open(t);
+  for (const [query, windows] of Object.entries(sizes)) {
+    await visit(page, query);
+    for (const size of windows) {
+      const [width, height] = size.split("×").map(Number);
+      await page.setViewportSize({ width, height });
+      const over = await page.$$eval(".panel :is(table, .track, button, select)", (list) =>
+        list
+          .filter(
+            (x) =>
+              x.checkVisibility() &&
+              x.getBoundingClientRect().right > x.closest(".panel").getBoundingClientRect().right,
+          )
+          .map((x) => x.id || x.firstElementChild.id),
+      );
+      assert.deepEqual(over, [], `${query} in ${size}`);
+    }
   }
 });
 

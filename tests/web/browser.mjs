@@ -5,7 +5,8 @@ import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
-import { chromium, firefox } from "playwright-core";
+import { firefox } from "playwright-core";
+import { launch } from "../../web/chromium.mjs";
 
 const axe = readFileSync(new URL("./node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 
@@ -24,21 +25,19 @@ function answerLate(most) {
   };
 }
 
+// Maps without values, at once: for tests that look at other things, because each change would compute a map anew.
+function answerWithoutMaps() {
+  const { postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function (message, ...more) {
+    if (message.kind !== "points") return postMessage.call(this, message, ...more);
+    const answer = new Float64Array((5 * message.ask.points.length) / 2).fill(NaN); // MAP_VALUES of each point
+    setTimeout(() => this.onmessage?.({ data: { id: message.id, ms: 1, answer } }));
+  };
+}
+
 // Debian's Firefox is controlled by WebDriver BiDi; its profile sets reduced motion.
 const engines = {
-  chromium: () =>
-    chromium.launch({
-      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-      args: [
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-quic",
-        "--no-first-run",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-      ],
-    }),
+  chromium: () => launch(),
   firefox: () =>
     firefox.launch({
       channel: "moz-firefox",
@@ -73,14 +72,15 @@ export class Site {
     this.server?.kill();
   }
 
-  // Opens a page. Warnings in the console and requests to other servers fail the test.
-  async open(t, query = "", { ready = solved, ...options } = {}) {
+  // Opens a page. Warnings in the console and requests to other servers fail the test. `maps`: computed or not.
+  async open(t, query = "", { ready = solved, maps = true, ...options } = {}) {
     const context = await this.browser.newContext({
       viewport: { width: 1440, height: 900 },
       reducedMotion: "reduce",
       acceptDownloads: true,
       ...options,
     });
+    if (!maps) await context.addInitScript(answerWithoutMaps);
     if (process.env.LATE) await context.addInitScript(answerLate, Number(process.env.LATE));
     const page = await context.newPage();
     const faults = [];
@@ -134,6 +134,33 @@ export const forget = (page) => page.evaluate(() => delete document.documentElem
 export const mapDone = (page) =>
   page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });
 export const solved = (page) => page.waitForFunction(() => document.documentElement.dataset.numbers);
+
+export const rest = (page) =>
+  page.waitForFunction(
+    () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
+  );
+export const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
+// Goes to another setting and waits for its numbers.
+export async function visit(page, query) {
+  await forget(page);
+  await goTo(page, query);
+  await rest(page);
+}
+export const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
+
+// The file that a button saves.
+export async function download(page, selector) {
+  const [file] = await Promise.all([page.waitForEvent("download"), page.click(selector)]);
+  return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
+}
+
+// Number of colours of a canvas.
+export const colours = (page, id) =>
+  page.evaluate((id) => {
+    const canvas = document.getElementById(id);
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  }, id);
 
 export async function accessible(page, what) {
   await page.evaluate(axe);

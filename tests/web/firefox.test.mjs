@@ -2,7 +2,7 @@
 // FIREFOX: the browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { accessible, forget, goTo, mapDone, shoot, Site } from "./browser.mjs";
+import { accessible, colours, mapDone, rest, shoot, Site, visit } from "./browser.mjs";
 import { random, randomLink } from "./modules.mjs";
 
 let firefox;
@@ -10,16 +10,9 @@ let chromium;
 before(async () => void ([chromium, firefox] = await Promise.all([Site.begin(), Site.begin("firefox")])));
 after(() => Promise.all([firefox?.end(), chromium?.end()]));
 
-const rest = (page) =>
-  page.waitForFunction(
-    () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
-  );
-
 // All texts and numbers of the page for a setting.
 async function said(page, query) {
-  await forget(page);
-  await goTo(page, query);
-  await rest(page);
+  await visit(page, query);
   return page.evaluate(() => ({
     ...JSON.parse(document.documentElement.dataset.numbers),
     ...Object.fromEntries(
@@ -43,14 +36,6 @@ test("every example and random settings: Firefox says what Chromium says", async
     assert.deepEqual(first, second, query);
   }
 });
-
-// Number of colours of a picture.
-const colours = (page, id) =>
-  page.evaluate((id) => {
-    const canvas = document.getElementById(id);
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-    return new Set(new Uint32Array(data.buffer)).size;
-  }, id);
 
 test("the story is scrolled with the keys, and its pictures are drawn", async (t) => {
   const page = await firefox.open(t, "?page=story");

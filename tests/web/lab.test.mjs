@@ -1,9 +1,8 @@
 // The laboratory in Chromium: what the menus Share and Export give, axes of the map, tools for a lecture.
 // PYTHON: an interpreter that has hardlimit installed. SHOTS: a folder for screenshots.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { accessible, mapDone, shoot, Site } from "./browser.mjs";
+import { accessible, download, mapDone, shoot, Site } from "./browser.mjs";
 import { load } from "./modules.mjs";
 
 const lib = await load("axes", "map_points", "link", "theme", "rises");
@@ -14,10 +13,7 @@ before(async () => void (site = await Site.begin()));
 after(() => site?.end());
 const open = (t, query, options = {}) => site.open(t, query, options);
 
-async function download(page, selector) {
-  const [file] = await Promise.all([page.waitForEvent("download"), page.click(selector)]);
-  return readFileSync(await file.path(), "utf8");
-}
+const saved = async (page, selector) => String((await download(page, selector)).bytes);
 const scenarioOf = (query) => lib.settingOf(new URLSearchParams(query), []).scenario;
 const csv = (text) => {
   const lines = text
@@ -66,7 +62,7 @@ test("the curve as CSV and as SVG: the values of the core", async (t) => {
   await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, {
     timeout: 60_000,
   });
-  const { head, rows } = csv(await download(page, "#curve-csv"));
+  const { head, rows } = csv(await saved(page, "#curve-csv"));
   assert.deepEqual(head, ["restitution", "newton_top_ball_height_m", "icm_top_ball_height_m"]);
   assert.ok(rows.length > 25 && rows.every(([x], i) => i === 0 || x > rows[i - 1][0]));
   const scenario = scenarioOf("example=fig2");
@@ -74,7 +70,7 @@ test("the curve as CSV and as SVG: the values of the core", async (t) => {
     const values = lib.risesOf(core, [lib.columnOf(lib.placed(scenario, [["e", x]]))]);
     heights.forEach((z, k) => assert.ok(Object.is(z, values[k]), `ε = ${x}: ${z}, ${values[k]}`));
   }
-  const svg = await download(page, "#curve-svg");
+  const svg = await saved(page, "#curve-svg");
   hasTexts(svg, ["top ball rises to (m)", "coefficient of restitution ε", "Newton"]);
   const [x, y] = [scaleOf(svg, "x", false, Number), scaleOf(svg, "y", false, Number)];
   const paths = [...svg.matchAll(/<path d="M([^"]*)" fill="none" stroke="#0b57a4"/g)].map(([, d]) =>
@@ -117,7 +113,7 @@ for (const { query, axes, show, title } of [
     const page = await open(t, query);
     await page.locator("#map-box").scrollIntoViewIfNeeded();
     await mapDone(page);
-    const { rows } = csv(await download(page, "#map-csv"));
+    const { rows } = csv(await saved(page, "#map-csv"));
     assert.ok(rows.length >= 2500, String(rows.length));
     const some = rows.filter((_, i) => i % Math.ceil(rows.length / 150) === 7);
     const tolerance = show === "verdict" ? 0.01 : null;
@@ -126,7 +122,7 @@ for (const { query, axes, show, title } of [
     some.forEach(([x, y, ...row], i) =>
       row.forEach((z, k) => assert.ok(Object.is(z, values[lib.MAP_VALUES * i + k]), `${x}, ${y}: ${z}`)),
     );
-    const svg = await download(page, "#map-svg");
+    const svg = await saved(page, "#map-svg");
     const legend =
       show === "verdict"
         ? ["agree", "do not agree", "independent collisions and Newton"]

@@ -2,11 +2,11 @@
 // PYTHON: an interpreter that has hardlimit installed. CHROMIUM: the browser. SHOTS: a folder for screenshots.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { accessible, laboratory, mapDone, shoot, Site, solved } from "./browser.mjs";
+import { accessible, download, mapDone, numbers, phone, shoot, Site, solved, visit } from "./browser.mjs";
 
 const python = process.env.PYTHON ?? "python3";
 const shots = process.env.SHOTS;
@@ -22,7 +22,7 @@ after(async () => {
 // The paper's Fig. 2 unless the link names another example.
 const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, options);
 
-const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
+const plain = { maps: false };
 // Waits until the page has drawn this number of frames after the last solution.
 const settled = (page, frames = 2) =>
   page.evaluate(
@@ -78,10 +78,9 @@ def said(column):
 print(json.dumps([said(read(path)) for path in sys.argv[1:]]))`;
   return JSON.parse(execFileSync(python, ["-c", program, ...files], { encoding: "utf8" }));
 }
-async function download(page, button, name = "") {
-  const [file] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
-  const path = join(work, name || file.suggestedFilename());
-  await file.saveAs(path);
+async function saved(page, button, name) {
+  const path = join(work, name);
+  writeFileSync(path, (await download(page, button)).bytes);
   return path;
 }
 
@@ -150,19 +149,18 @@ test("the balls are drawn before any text, from the answer of the worker that ha
 });
 
 test("numbers of every example are Python's", async (t) => {
-  const page = await open(t);
+  const page = await open(t, "?example=fig2", plain);
   const examples = await page.$$eval("#preset option", (list) => list.map((x) => x.value).filter(Boolean));
   assert.ok(examples.length >= 10);
   const shown = [];
   for (const example of examples) {
-    await page.goto(`${site.base}?example=${example}`);
-    await solved(page);
+    await visit(page, `?example=${example}`);
     const balls = await page.evaluate(() => window.hardlimit.report().setting.balls.length);
     shown.push({
       example,
       balls,
       numbers: await numbers(page),
-      file: await download(page, "#toml", `${example}.toml`),
+      file: await saved(page, "#toml", `${example}.toml`),
     });
   }
   const said = fromPython(shown.map(({ file }) => file));
@@ -175,12 +173,9 @@ test("numbers of every example are Python's", async (t) => {
 });
 
 test("every control moves the result and is in the link", async (t) => {
-  const page = await open(t);
+  const page = await open(t, "?example=fig2", plain);
   for (const setup of ["", "?law=viscoelastic", "?law=tsuji", "?example=astro", "?example=cradle"]) {
-    if (setup) {
-      await page.goto(site.base + laboratory(setup));
-      await page.waitForFunction(() => document.documentElement.dataset.numbers);
-    }
+    if (setup) await visit(page, setup);
     const ids = await page.$$eval("#controls input[type=range]", (list) => list.map((x) => x.id));
     assert.ok(ids.length >= 7, setup);
     for (const id of ids) {
@@ -197,7 +192,7 @@ test("every control moves the result and is in the link", async (t) => {
       assert.notEqual(JSON.stringify(await numbers(page)), numbersBefore, `${setup} ${id} changes the result`);
     }
   }
-  await page.goto(site.base + laboratory("?example=fig2"));
+  await visit(page, "?example=fig2");
   await page.fill("#gap1-value", "0.25 mm");
   await page.keyboard.press("Tab");
   await page.fill("#restitution-value", "0.82");
@@ -223,7 +218,7 @@ test("every control moves the result and is in the link", async (t) => {
 });
 
 test("an answer leaves what is being typed, and a refused entry", async (t) => {
-  const page = await open(t);
+  const page = await open(t, "?example=fig2", plain);
   const answer = async (id) => {
     const before = await page.evaluate(() => document.documentElement.dataset.numbers);
     await page.evaluate((id) => {
@@ -266,7 +261,7 @@ test("a slider follows the mouse to where it is let go, on an example too", asyn
 });
 
 test("after a slider has moved, every text is that of the last answer", async (t) => {
-  const page = await open(t, "?example=basketball");
+  const page = await open(t, "?example=basketball", plain);
   await page.evaluate(async () => {
     for (const [id, range] of [
       ["restitution", [0.3, 0.9]],
@@ -346,7 +341,7 @@ test("a link reproduces the view", async (t) => {
 test("the map is the same whichever worker answers first", async (t) => {
   const pictures = [];
   for (const late of [-1, 0, 1]) {
-    const page = await open(t);
+    const page = await open(t, "?example=fig2&panel=numbers");
     await page.addInitScript((late) => {
       let created = 0;
       globalThis.Worker = class extends Worker {
@@ -362,7 +357,7 @@ test("the map is the same whichever worker answers first", async (t) => {
       };
       Object.defineProperty(navigator, "hardwareConcurrency", { value: 2 });
     }, late);
-    await page.goto(site.base + laboratory("?example=basketball"));
+    await page.goto(`${site.base}?example=basketball&panel=map`);
     await mapDone(page);
     pictures.push(await picture(page));
   }
@@ -373,6 +368,7 @@ test("bad parameters are clamped and said", async (t) => {
   const page = await open(
     t,
     "?e=7&k=abc&gap=-3&r=1e9,0.01&rho=840,840&h=1e99&law=jelly&zoom=3,2,1&t=x&map=%3Cscript%3E&example=none&n=%00",
+    plain,
   );
   const note = await page.textContent("#notes");
   for (const text of [
@@ -405,10 +401,8 @@ test("bad parameters are clamped and said", async (t) => {
     "?e=1&gap=1&h=10",
     "?t=1e9",
   ]) {
-    await page.goto(site.base + laboratory(query));
-    await page.waitForFunction(
-      () => document.documentElement.dataset.numbers && document.getElementById("verdict").textContent,
-    );
+    await visit(page, query);
+    assert.notEqual(await page.textContent("#verdict"), "", query);
   }
 });
 
@@ -523,23 +517,22 @@ test("timeline chooses ε, map chooses and zooms", async (t) => {
 
 test("exports", async (t) => {
   const page = await open(t, "?e=0.8&gap=3e-4&t=0.0002");
-  const png = readFileSync(await download(page, "#png"));
+  const png = (await download(page, "#png")).bytes;
   assert.equal(png.subarray(1, 4).toString(), "PNG");
   assert.ok(png.readUInt32BE(16) >= 3000 && png.length > 50_000);
   if (shots) writeFileSync(join(shots, "export.png"), png);
-  const csv = readFileSync(await download(page, "#csv"), "utf8")
+  const csv = String((await download(page, "#csv")).bytes)
     .trim()
     .split("\n");
   const head = csv.findIndex((x) => x.startsWith("time,"));
   assert.ok(csv.slice(0, head).every((x) => x.startsWith("# ")));
   const columns = csv[head].split(",").length;
   assert.ok(csv.length - head > 1000 && csv.slice(head + 1).every((x) => x.split(",").length === columns));
-  const toml = readFileSync(await download(page, "#toml"), "utf8");
-  assert.match(toml, /restitution = 0\.8\n/);
+  assert.match(String((await download(page, "#toml")).bytes), /restitution = 0\.8\n/);
 });
 
 test("keyboard alone reaches and works everything", async (t) => {
-  const page = await open(t);
+  const page = await open(t, "?example=fig2", plain);
   const reached = new Set();
   for (let i = 0; i < 120; i++) {
     await page.keyboard.press("Tab");
@@ -566,24 +559,19 @@ for (const [name, options] of Object.entries({
   phone: { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
 }))
   test(`accessible: ${name}`, async (t) => {
-    const page = await open(t, "?t=0.00021", options);
+    const page = await open(t, "?t=0.00021", { maps: !!shots, ...options });
     await accessible(page, name);
     if (shots) await mapDone(page);
     await shoot(page, name, { fullPage: true });
     for (const query of ["?example=astro&e=9", "?example=cradle"]) {
-      await page.goto(site.base + laboratory(query));
-      await solved(page);
+      await visit(page, query);
       await accessible(page, `${name} ${query}`);
       await shoot(page, `${name}-${query.slice(9, 14)}`, { fullPage: true });
     }
   });
 
 test("touch: a tap chooses in the map", async (t) => {
-  const page = await open(t, "?example=fig2", {
-    viewport: { width: 390, height: 844 },
-    isMobile: true,
-    hasTouch: true,
-  });
+  const page = await open(t, "?example=fig2", phone);
   await page.locator("#map").scrollIntoViewIfNeeded();
   await page.waitForSelector("#map[data-resolution]");
   const box = await page.locator("#map").boundingBox();

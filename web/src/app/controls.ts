@@ -1,9 +1,8 @@
 // The controls: a slider and a text field for every number.
-import { setText, Sheet } from "../support/dom";
+import { make, setAttribute, setText, Sheet } from "../support/dom";
 import { digits, parse, sub, withUnit } from "../support/format";
 import {
   clampTo,
-  constantAt,
   constants,
   constantsOf,
   densityFor,
@@ -29,6 +28,20 @@ interface Control {
   refresh(): void;
 }
 
+// Where a number is in a scenario: its owner and the key.
+type Place = (s: Scenario) => [owner: object, key: string | number];
+
+// The mass of a ball, of which a scenario has the density.
+class Mass {
+  constructor(private readonly ball: Scenario["balls"][number]) {}
+  get mass(): number {
+    return massOf(this.ball);
+  }
+  set mass(x: number) {
+    this.ball.density = densityFor(x, this.ball.radius);
+  }
+}
+
 // Sliders and fields are created at the first use. They are reused when the law or the number of balls changes, because
 // creating those of six balls takes longer than a frame.
 export class Controls {
@@ -38,8 +51,8 @@ export class Controls {
   private shape = "";
   private edits = 0; // number of changes
   private written = -Infinity; // when the values were written [ms]
-  private readonly about = document.createElement("p"); // text about the example
-  private readonly correction = document.createElement("p"); // how an entry was corrected
+  private readonly about = make("p", { className: "about" }); // text about the example
+  private readonly correction = make("p", { className: "correction", role: "alert" }); // how an entry was corrected
 
   constructor(
     private readonly box: HTMLElement,
@@ -47,9 +60,6 @@ export class Controls {
     private readonly changed: () => void,
   ) {
     this.scenario = scenario;
-    this.about.className = "about";
-    this.correction.className = "correction";
-    this.correction.setAttribute("role", "alert");
   }
 
   // Returns whether other controls are shown than before. `fully`: values are written even if they were just written.
@@ -95,26 +105,10 @@ export class Controls {
       this.list.push(c);
       parts.push(c.element);
     };
-    add(
-      this.number(
-        "restitution",
-        labelOf(restitutionOf(s)),
-        ranges.restitution,
-        (q) => q.restitution,
-        (q, x) => (q.restitution = x),
-      ),
-    );
-    if (s.balls.length === 2) add(this.gap(1, labelOf(parameterOfColumn("gap"))));
-    if (!s.cradle)
-      add(
-        this.number(
-          "height",
-          labelOf(parameterOfColumn("height")),
-          ranges.height,
-          (q) => q.height,
-          (q, x) => (q.height = x),
-        ),
-      );
+    const column = (name: string): string => labelOf(parameterOfColumn(name));
+    add(this.number("restitution", labelOf(restitutionOf(s)), ranges.restitution, (q) => [q, "restitution"]));
+    if (s.balls.length === 2) add(this.gap(1, column("gap")));
+    if (!s.cradle) add(this.number("height", column("height"), ranges.height, (q) => [q, "height"]));
     add(
       this.once("law", () =>
         this.choice(
@@ -128,15 +122,7 @@ export class Controls {
     );
     for (const name of constantsOf(s)) {
       const { label, range } = constants[name];
-      add(
-        this.number(
-          name,
-          hasOwn(s) ? `${label}, floor` : label,
-          range,
-          (q) => q.constants[name],
-          (q, x) => (q.constants[name] = x),
-        ),
-      );
+      add(this.number(name, hasOwn(s) ? `${label}, floor` : label, range, (q) => [q.constants, name]));
     }
     if (!s.cradle) {
       add(this.once("own", () => this.ownSwitch()));
@@ -144,37 +130,17 @@ export class Controls {
         for (let pair = 1; pair < s.balls.length; pair++)
           for (const name of constantsOf(s)) {
             const { label, range } = constants[name];
-            add(
-              this.number(
-                `${name}${pair}`,
-                `${label}, balls ${pair} and ${pair + 1}`,
-                range,
-                (q) => constantAt(q, name, pair),
-                (q, x) => (q.own[name][pair - 1] = x),
-              ),
-            );
+            const title = `${label}, balls ${pair} and ${pair + 1}`;
+            add(this.number(`${name}${pair}`, title, range, (q) => [q.own[name], pair - 1]));
           }
     }
     add(this.once("count", () => this.stepper()));
     for (let i = s.balls.length - 1; i >= 0; i--) {
-      const group = document.createElement("div");
-      group.className = "ball";
-      group.setAttribute("role", "group");
-      const title = document.createElement("h3");
       const n = s.balls.length;
-      const place = s.cradle
-        ? i === 0
-          ? ", first"
-          : i === n - 1
-            ? ", last"
-            : ""
-        : i === 0
-          ? ", lowest"
-          : i === n - 1
-            ? ", top"
-            : "";
-      title.textContent = `Ball ${i + 1}${place}`;
-      title.id = `ball${i + 1}-title`;
+      const [first, last] = s.cradle ? [", first", ", last"] : [", lowest", ", top"];
+      const place = i === 0 ? first : i === n - 1 ? last : "";
+      const title = make("h3", { textContent: `Ball ${i + 1}${place}`, id: `ball${i + 1}-title` });
+      const group = make("div", { className: "ball", role: "group" });
       group.setAttribute("aria-labelledby", title.id);
       group.append(title);
       const inside = (c: Control): void => {
@@ -183,36 +149,12 @@ export class Controls {
       };
       inside(this.once(`kind${i}`, () => this.kind(i)));
       const name = sub(i + 1);
-      inside(
-        this.number(
-          `radius${i + 1}`,
-          labelOf(parameterOfColumn("radius")) + name,
-          ranges.radius,
-          (q) => q.balls[i].radius,
-          (q, x) => (q.balls[i].radius = x),
-        ),
-      );
-      inside(
-        this.number(
-          `mass${i + 1}`,
-          labelOf(parameterOfColumn("mass")) + name,
-          ranges.mass,
-          (q) => massOf(q.balls[i]),
-          (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius)),
-        ),
-      );
+      inside(this.number(`radius${i + 1}`, column("radius") + name, ranges.radius, (q) => [q.balls[i], "radius"]));
+      inside(this.number(`mass${i + 1}`, column("mass") + name, ranges.mass, (q) => [new Mass(q.balls[i]), "mass"]));
       inside(this.density(i));
       if (i > 0 && n > 2) inside(this.gap(i, s.cradle ? `Gap to ball ${i}` : `Gap below, to ball ${i}`));
       if (s.cradle)
-        inside(
-          this.number(
-            `velocity${i + 1}`,
-            labelOf(parameterOfColumn("velocity")),
-            ranges.velocity,
-            (q) => q.velocities[i],
-            (q, x) => (q.velocities[i] = x),
-          ),
-        );
+        inside(this.number(`velocity${i + 1}`, column("velocity"), ranges.velocity, (q) => [q.velocities, i]));
       parts.push(group);
     }
     this.box.replaceChildren(...parts, this.about);
@@ -227,9 +169,8 @@ export class Controls {
 
   // A ball of the list below, with the middle of what its rules allow. Its ε and stiffness belong to contacts.
   private kind(i: number): Control {
-    const element = document.createElement("label");
-    element.className = "own";
-    const select = Object.assign(document.createElement("select"), { id: `kind${i + 1}` });
+    const element = make("label", { className: "own" });
+    const select = make("select", { id: `kind${i + 1}` });
     select.append(new Option("own values", ""), ...measuredBalls.map((b) => new Option(b.name, b.id)));
     element.append("Ball", select);
     select.addEventListener("change", () => {
@@ -247,8 +188,7 @@ export class Controls {
 
   private density(i: number): Control {
     return this.once(`density${i}`, () => {
-      const element = document.createElement("p");
-      element.className = "aside";
+      const element = make("p", { className: "aside" });
       const refresh = (): void =>
         setText(
           element,
@@ -260,46 +200,27 @@ export class Controls {
   }
 
   private gap(pair: number, label: string): Control {
-    return this.number(
-      `gap${pair}`,
-      label,
-      ranges.gap,
-      (q) => q.gaps[pair - 1],
-      (q, x) => (q.gaps[pair - 1] = x),
-    );
+    return this.number(`gap${pair}`, label, ranges.gap, (q) => [q.gaps, pair - 1]);
   }
 
-  private number(
-    id: string,
-    label: string,
-    r: Range,
-    get: (s: Scenario) => number,
-    put: (s: Scenario, x: number) => void,
-  ): Control {
-    return this.once(`${id} ${label}`, () => this.makeNumber(id, label, r, get, put));
+  private number(id: string, label: string, r: Range, place: Place): Control {
+    return this.once(`${id} ${label}`, () => this.makeNumber(id, label, r, place));
   }
 
-  private makeNumber(
-    id: string,
-    label: string,
-    r: Range,
-    get: (s: Scenario) => number,
-    put: (s: Scenario, x: number) => void,
-  ): Control {
-    const element = document.createElement("div");
-    element.className = "control";
-    const name = document.createElement("label");
-    name.textContent = label;
-    name.htmlFor = id;
-    const field = document.createElement("input");
-    field.type = "text";
-    field.id = `${id}-value`;
-    field.setAttribute("aria-label", `${label}, value${r.unit ? ` with unit (${r.unit})` : ""}`);
-    const slider = document.createElement("input");
-    slider.type = "range";
-    slider.id = id;
-    slider.min = "0";
-    slider.max = String(steps(r));
+  private makeNumber(id: string, label: string, r: Range, place: Place): Control {
+    const get = (s: Scenario): number => {
+      const [owner, key] = place(s);
+      return owner[key as never];
+    };
+    const put = (s: Scenario, x: number): void => {
+      const [owner, key] = place(s);
+      Object.assign(owner, { [key]: x });
+    };
+    const element = make("div", { className: "control" });
+    const name = make("label", { textContent: label, htmlFor: id });
+    const ariaLabel = `${label}, value${r.unit ? ` with unit (${r.unit})` : ""}`;
+    const field = make("input", { type: "text", id: `${id}-value`, ariaLabel });
+    const slider = make("input", { type: "range", id, min: "0", max: String(steps(r)) });
     const textOf = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
     let shown = NaN; // the value in the field
     let refused = -1; // number of changes when an entry was refused
@@ -328,16 +249,16 @@ export class Controls {
       );
     });
     field.addEventListener("focus", () => field.select());
-    const cell = document.createElement("span");
+    const cell = make("span");
     cell.append(field);
     element.append(name, cell, slider);
     touchable(slider);
     const refresh = (): void => {
       const x = get(this.scenario);
       const text = textOf(x);
-      const place = String(toSlider(r, x));
-      if (slider.value !== place) slider.value = place;
-      if (slider.getAttribute("aria-valuetext") !== text) slider.setAttribute("aria-valuetext", text);
+      const at = String(toSlider(r, x));
+      if (slider.value !== at) slider.value = at;
+      setAttribute(slider, "aria-valuetext", text);
       // A late result does not overwrite text that is being typed, or a refused entry.
       const left = x === shown && (document.activeElement === field || refused === this.edits);
       shown = x;
@@ -355,18 +276,11 @@ export class Controls {
     get: () => string,
     put: (v: string) => void,
   ): Control {
-    const element = document.createElement("fieldset");
-    element.className = "choice";
-    const legend = document.createElement("legend");
-    legend.textContent = title;
-    element.append(legend);
+    const element = make("fieldset", { className: "choice" });
+    element.append(make("legend", { textContent: title }));
     const inputs = options.map(([value, text]) => {
-      const label = document.createElement("label");
-      const input = document.createElement("input");
-      input.type = "radio";
-      input.name = id;
-      input.id = `${id}-${value}`;
-      input.value = value;
+      const label = make("label");
+      const input = make("input", { type: "radio", name: id, id: `${id}-${value}`, value });
       input.addEventListener("change", () => input.checked && put(value));
       label.append(input, text);
       element.append(label);
@@ -377,32 +291,21 @@ export class Controls {
   }
 
   private ownSwitch(): Control {
-    const element = document.createElement("label");
-    element.className = "own";
-    const input = Object.assign(document.createElement("input"), { type: "checkbox", id: "own" });
+    const element = make("label", { className: "own" });
+    const input = make("input", { type: "checkbox", id: "own" });
     input.addEventListener("change", () => this.edit((s) => setOwn(s, input.checked)));
     element.append(input, "Ball–ball contacts differ from the floor’s");
     return { element, refresh: () => void (input.checked = hasOwn(this.scenario)) };
   }
 
   private stepper(): Control {
-    const element = document.createElement("div");
-    element.className = "control count";
-    const name = document.createElement("span");
-    name.id = "count-label";
-    name.textContent = "Number of balls";
-    const group = document.createElement("div");
-    group.className = "stepper";
-    group.setAttribute("role", "group");
+    const element = make("div", { className: "control count" });
+    const name = make("span", { id: "count-label", textContent: "Number of balls" });
+    const group = make("div", { className: "stepper", role: "group" });
     group.setAttribute("aria-labelledby", name.id);
-    const value = document.createElement("output");
-    value.id = "count";
-    const button = (text: string, label: string, id: string, by: number): HTMLButtonElement => {
-      const b = document.createElement("button");
-      b.type = "button";
-      b.id = id;
-      b.textContent = text;
-      b.setAttribute("aria-label", label);
+    const value = make("output", { id: "count" });
+    const button = (textContent: string, ariaLabel: string, id: string, by: number): HTMLButtonElement => {
+      const b = make("button", { type: "button", id, textContent, ariaLabel });
       b.addEventListener("click", () =>
         this.edit((s) => setBallCount(s, Math.min(Math.max(s.balls.length + by, 2), MOST_BALLS))),
       );

@@ -1,6 +1,7 @@
 // One image of all plots, at twice the screen's resolution, with the parameters below.
 import { clockText, drawMoment } from "../views/film";
 import { drawForces } from "../views/forces";
+import { sharpCanvas } from "../support/dom";
 import { withUnit } from "../support/format";
 import type { MapPanel } from "../map/map_panel";
 import { joined } from "../support/sentence";
@@ -36,15 +37,6 @@ export function picture(state: State, timeline: Timeline, map: MapPanel): HTMLCa
   g.fillText(`${parameters(state.scenario)}; pictured at t = ${clockText(state.time(), d)}`, 20, 1150);
   g.fillText("hardlimit, after Müller & Pöschel, Phys. Rev. E 83, 041304 (2011)", 20, 1178);
   return canvas;
-}
-
-function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
-  const canvas = document.createElement("canvas");
-  canvas.width = 2 * width;
-  canvas.height = 2 * height;
-  const g = canvas.getContext("2d")!;
-  g.scale(2, 2);
-  return [canvas, g];
 }
 
 export function parameters(s: Scenario): string {

@@ -1,6 +1,6 @@
 // The page's interface to its workers: that of the film, one request at a time, which a new start may replace, and
 // that of further starts.
-import { Script } from "../support/script";
+import { compiled, Script } from "../support/script";
 import type { OneStart } from "./starts";
 import type { Answer, Ask, Request } from "./worker";
 
@@ -9,14 +9,10 @@ script.keep();
 const patience = 1500; // time after which a new start replaces a busy worker [ms]
 
 // The modules: that of disks with friction is loaded when they are chosen.
-const load = (name: string): Promise<WebAssembly.Module> =>
-  WebAssembly.compileStreaming(fetch(name)).catch(async () =>
-    WebAssembly.compile(await (await fetch(name)).arrayBuffer()),
-  );
-const smooth = load("gas.wasm");
+const smooth = compiled("gas.wasm");
 let rubbing: Promise<WebAssembly.Module> | null = null;
 const moduleFor = ({ friction }: { friction: number }): Promise<WebAssembly.Module> =>
-  friction > 0 ? (rubbing ??= load("gas_friction.wasm")) : smooth;
+  friction > 0 ? (rubbing ??= compiled("gas_friction.wasm")) : smooth;
 
 type Receive = (answer: Answer) => void;
 

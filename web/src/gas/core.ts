@@ -50,42 +50,26 @@ export interface Input {
   stiffnessRatio: number; // k_t/k_n
 }
 
-export interface Observed {
-  time: number; // [s]
-  outcome: number;
-  contacts: number; // begun
-  pairs: number;
-  ended: number;
-  overlapped: number;
-  kinetic: number; // [J]
-  potential: number;
-  stored: number;
-  dissipated: number;
-  rotational: number;
-  compression: number; // largest so far, in radii
-  elastic: number; // collisions made elastic by the rule tc
-  soft: number;
-  third: number; // soft contacts with a third body
-  events: number;
-}
+// In the order of gas_observe in bindings/wasm_gas.cpp.
 const observed = [
-  "time",
+  "time", // [s]
   "outcome",
-  "contacts",
+  "contacts", // begun
   "pairs",
   "ended",
   "overlapped",
-  "kinetic",
+  "kinetic", // [J]
   "potential",
   "stored",
   "dissipated",
   "rotational",
-  "compression",
-  "elastic",
+  "compression", // largest so far, in radii
+  "elastic", // collisions made elastic by the rule tc
   "soft",
-  "third",
+  "third", // soft contacts with a third body
   "events",
 ] as const;
+export type Observed = Record<(typeof observed)[number], number>;
 
 // Columns of the log: begin, end, first, second, impact speed, separation speed, overlapped.
 export const LOG_COLUMNS = 7;
@@ -189,7 +173,7 @@ export class GasCore {
   }
   observe(world: World): Observed {
     const values = this.values(this.wasm.gas_observe(world), observed.length);
-    return Object.fromEntries(observed.map((name, i) => [name, values[i]])) as unknown as Observed;
+    return Object.fromEntries(observed.map((name, i) => [name, values[i]])) as Observed;
   }
   // As `start`; positions are unwrapped.
   state(world: World): Float64Array {
@@ -208,7 +192,6 @@ export class GasCore {
   rate(phi: number, diameter: number, temperature: number): number {
     return this.wasm.law_rate(phi, diameter, temperature);
   }
-  // D 2^D φ χ
   // D 2^D φ χ, and the slope s of the pair correlation at contact.
   fluid(phi: number): { density: number; slope: number } {
     const [density, slope] = this.values(this.wasm.law_fluid(phi), 2);

@@ -1,4 +1,5 @@
 // The means over the starts, and every start, as a CSV file.
+import { csvText } from "../support/csv";
 import { measureOf, type Facts } from "./facts";
 import { pythonOf } from "./python";
 import { INTERVALS, type OneStart } from "./starts";
@@ -32,12 +33,15 @@ export function csvOf(f: Facts): string {
     (["event_driven", "newton"] as const).forEach((name, world) =>
       columns.push([`${name}_energy_of_seed_${start.seed}`, (k) => start.energy[world][k]]),
     );
-  const text = (x: number): string => (Number.isFinite(x) ? String(x) : "nan");
-  const rows = Array.from({ length: INTERVALS + 1 }, (_, k) => columns.map(([, value]) => text(value(k))).join());
-  const head = [
-    `# ${starts.length} starts; gas.html?${toQuery(setting)}`,
-    `# time: s; energies over those at the start; differences: event-driven over Newton's − 1; scatter: standard deviation`,
-    `# ${pythonOf(f)}`,
+  const comments = [
+    `${starts.length} starts; gas.html?${toQuery(setting)}`,
+    `time: s; energies over those at the start; differences: event-driven over Newton's − 1; scatter: standard deviation`,
+    pythonOf(f),
   ];
-  return [...head, columns.map(([name]) => name).join(), ...rows].join("\n") + "\n";
+  const rows = Array.from({ length: INTERVALS + 1 }, (_, k) => columns.map(([, value]) => value(k)));
+  return csvText(
+    comments,
+    columns.map(([name]) => name),
+    rows,
+  );
 }

@@ -1,6 +1,6 @@
 // The present state of both simulations.
 import type { Observed } from "./core";
-import type { Sample, Start } from "./simulation";
+import type { FrameOf, Sample, Start } from "./simulation";
 import type { OneStart } from "./starts";
 import type { Measure } from "./statistics";
 
@@ -15,6 +15,10 @@ export interface Facts {
   atRest: boolean;
   starts: readonly OneStart[]; // so far
 }
+
+// What a frame says of the present.
+export const present = ({ sample, done, atRest, worlds: [hard, newton] }: FrameOf) =>
+  ({ sample, done, atRest, hard: hard.observed, newton: newton.observed }) satisfies Partial<Facts>;
 
 export const measureOf = ({ start: { setting } }: Facts): Measure =>
   setting.restitution === 1 && setting.friction === 0 ? "contacts" : setting.gravity > 0 ? "loss" : "cooling";

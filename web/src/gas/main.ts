@@ -1,11 +1,12 @@
 // The page of the gas: controls, film, plots and sentences.
 import { changes, find, setSentence, Sheet } from "../support/dom";
+import { copyText, save, saveText } from "../support/output";
 import { touchable } from "../support/touch";
 import { themeOf } from "../style/theme";
 import { ThemeSwitch } from "../support/theme_switch";
 import { Client, StartsClient } from "./client";
 import { csvOf } from "./csv";
-import { thinned, type Facts } from "./facts";
+import { present, thinned, type Facts } from "./facts";
 import { drawGraph, graphs } from "./graphs";
 import { picture } from "./picture";
 import { pythonOf } from "./python";
@@ -173,7 +174,7 @@ class Page {
       if (this.facts) void this.copy(pythonOf(this.facts), "Python copied.");
     });
     find("csv").addEventListener("click", () => {
-      if (this.facts) save("hardlimit-gas.csv", new Blob([csvOf(this.facts)], { type: "text/csv" }));
+      if (this.facts) saveText("hardlimit-gas.csv", csvOf(this.facts));
     });
     find("png").addEventListener("click", () => this.savePicture());
     find("more").addEventListener("click", () => {
@@ -232,12 +233,8 @@ class Page {
   private async copy(text: string, done: string): Promise<void> {
     const note = find("copied");
     this.writeLink();
-    try {
-      await navigator.clipboard.writeText(text);
-      note.textContent = done;
-    } catch {
-      note.textContent = text === this.link() ? "The link is in the address bar." : text;
-    }
+    const refused = text === this.link() ? "The link is in the address bar." : text;
+    note.textContent = (await copyText(text)) ? done : refused;
   }
   private savePicture(): void {
     if (!this.facts) return;
@@ -266,17 +263,7 @@ class Page {
     if (start.tooSoft > 0) this.playing = false;
     this.wanted = usualStarts;
     this.frame = frame;
-    this.facts = {
-      start,
-      messages,
-      samples: [],
-      sample: frame.sample,
-      hard: frame.worlds[0].observed,
-      newton: frame.worlds[1].observed,
-      done: frame.done,
-      atRest: frame.atRest,
-      starts: [],
-    };
+    this.facts = { start, messages, samples: [], starts: [], ...present(frame) };
     this.take([frame.sample], frame);
     this.runStarts();
     this.showPlaying();
@@ -329,18 +316,8 @@ class Page {
   }
 
   private take(samples: FrameOf["sample"][], frame: FrameOf): void {
-    const f = this.facts!;
-    let all = f.samples.concat(samples);
-    if (all.length > mostSamples) all = thinned(all);
-    this.facts = {
-      ...f,
-      samples: all,
-      sample: frame.sample,
-      hard: frame.worlds[0].observed,
-      newton: frame.worlds[1].observed,
-      done: frame.done,
-      atRest: frame.atRest,
-    };
+    const all = this.facts!.samples.concat(samples);
+    this.facts = { ...this.facts!, samples: all.length > mostSamples ? thinned(all) : all, ...present(frame) };
   }
 
   private tick(): void {
@@ -411,12 +388,6 @@ class Page {
     );
     write("time", `${milliseconds(this.facts.sample.time)}`);
   }
-}
-
-function save(name: string, blob: Blob): void {
-  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
 new Page();

@@ -1,5 +1,5 @@
 // One image of both worlds and all plots, with the verdict and the setting, at twice the screen's resolution.
-import type { Sheet } from "../support/dom";
+import { sharpCanvas, type Sheet } from "../support/dom";
 import { drawGraph, graphs } from "./graphs";
 import type { Facts } from "./facts";
 import { sentences } from "./sentences";
@@ -7,13 +7,6 @@ import { toQuery } from "./setting";
 import type { GasTheme } from "./worlds";
 
 const [width, height] = [1600, 1000];
-
-function sharp(w: number, h: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
-  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * w, height: 2 * h });
-  const g = canvas.getContext("2d")!;
-  g.scale(2, 2);
-  return [canvas, g];
-}
 
 // Writes a text in lines of this width; returns the place below.
 function write(g: CanvasRenderingContext2D, text: string, x: number, y: number, most: number, line: number): number {
@@ -30,7 +23,7 @@ function write(g: CanvasRenderingContext2D, text: string, x: number, y: number, 
 }
 
 export function picture(facts: Facts, worlds: Sheet[], theme: GasTheme): HTMLCanvasElement {
-  const [canvas, g] = sharp(width, height);
+  const [canvas, g] = sharpCanvas(width, height);
   g.fillStyle = theme.ground;
   g.fillRect(0, 0, width, height);
   g.fillStyle = theme.ink;
@@ -58,7 +51,7 @@ export function picture(facts: Facts, worlds: Sheet[], theme: GasTheme): HTMLCan
   const shown = graphs.filter((graph) => graph !== (facts.start.setting.friction > 0 ? "share" : "ratio"));
   const each = (height - 20) / shown.length;
   shown.forEach((graph, i) => {
-    const [sheet, own] = sharp(560, each);
+    const [sheet, own] = sharpCanvas(560, each);
     drawGraph(own, 560, each, graph, facts, theme, i === shown.length - 1);
     g.drawImage(sheet, 1030, 10 + i * each, 560, each);
   });

@@ -12,21 +12,7 @@ export interface Report {
   link: string;
   input: Input;
   start: { positions: number[]; velocities: number[]; spins: number[] }; // spins: with friction
-  law: Pick<
-    Start,
-    | "law"
-    | "error"
-    | "errorBar"
-    | "trusted"
-    | "measured"
-    | "collisionRate"
-    | "contactDuration"
-    | "temperature"
-    | "compression"
-    | "tooSoft"
-    | "known"
-    | "outside"
-  >;
+  law: Omit<Start, "setting" | "input" | "state" | "until">;
   playing: boolean;
   done: boolean;
   time: number;
@@ -40,25 +26,8 @@ export interface Report {
 }
 
 export function reportOf(facts: Facts, playing: boolean): Report {
-  const { start, hard, newton, samples, sample, done, starts } = facts;
-  const {
-    law,
-    error,
-    errorBar,
-    trusted,
-    measured,
-    collisionRate,
-    contactDuration,
-    temperature,
-    compression,
-    tooSoft,
-    known,
-    outside,
-    until,
-    setting,
-    input,
-    state,
-  } = start;
+  const { hard, newton, samples, sample, done, starts } = facts;
+  const { until, setting, input, state, ...law } = facts.start;
   const half = 2 * setting.number;
   return {
     setting,
@@ -69,20 +38,7 @@ export function reportOf(facts: Facts, playing: boolean): Report {
       velocities: Array.from(state.subarray(half, 2 * half)),
       spins: Array.from(state.subarray(2 * half)),
     },
-    law: {
-      law,
-      error,
-      errorBar,
-      trusted,
-      measured,
-      collisionRate,
-      contactDuration,
-      temperature,
-      compression,
-      tooSoft,
-      known,
-      outside,
-    },
+    law,
     playing,
     done,
     time: sample.time,

@@ -31,35 +31,19 @@ export const percent = (x: number): string => {
 export const milliseconds = (x: number): string =>
   `${trim((1e3 * x).toPrecision(3).includes("e") ? String(Math.round(1e3 * x)) : (1e3 * x).toPrecision(3))}\u00a0ms`;
 const energy = (x: number): string => `${digits(100 * x, 3)}\u00a0%`;
-const format: Record<string, (x: number) => string> = {
-  until: milliseconds,
-  starts: String,
-  epsilon: (x) => trim(String(x)),
-  failed: String,
-  theta: (x) => digits(x, 2),
-  other: (x) => digits(x, 2),
-  tcNu: (x) => digits(x, 2),
-  trusted: (x) => digits(x, 2),
-  limit: (x) => digits(x, 2),
-  time: milliseconds,
-  overlapped: String,
-  collided: String,
-  touched: String,
-  contacts: String,
-  events: String,
-  phi: (x) => digits(x, 2),
-  low: (x) => trim(String(x)),
-  high: (x) => trim(String(x)),
-  collisions: (x) => x.toFixed(1),
-  rate: (x) => digits(x, 2),
-  from: (x) => x.toFixed(1),
-  to: (x) => x.toFixed(1),
-  near: (x) => digits(x, 2),
-  far: (x) => digits(x, 2),
-  hard: energy,
-  newton: energy,
-  predicted: energy,
-};
+// How the numbers of sentences are shown; the others are shares, in per cent.
+const format: Record<string, (x: number) => string> = Object.fromEntries(
+  (
+    [
+      ["until time", milliseconds],
+      ["hard newton predicted", energy],
+      ["starts failed overlapped collided touched contacts events", String],
+      ["epsilon low high", (x) => trim(String(x))],
+      ["theta other tcNu trusted limit phi rate near far", (x) => digits(x, 2)],
+      ["collisions from to", (x) => x.toFixed(1)],
+    ] as [string, (x: number) => string][]
+  ).flatMap(([names, show]) => names.split(" ").map((name) => [name, show])),
+);
 
 // --- the starts ---
 

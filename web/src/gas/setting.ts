@@ -27,9 +27,7 @@ export interface Range {
   step: number; // in the value, or in its decimal logarithm
   log: boolean;
 }
-export const ranges: {
-  [K in "number" | "phi" | "restitution" | "tcNu" | "gravity" | "seed" | "friction" | "stiffnessRatio"]: Range;
-} = {
+export const ranges: Record<Exclude<keyof Setting, "rule" | "walls">, Range> = {
   number: { low: 100, high: 1000, step: 50, log: false },
   phi: { low: 0.02, high: 0.7, step: 0.01, log: false },
   restitution: { low: 0.1, high: 1, step: 0.01, log: false },
@@ -44,8 +42,6 @@ const whole: Quantity[] = ["number", "seed"];
 
 export interface Example {
   id: string;
-  name: string;
-  about: string;
   setting: Partial<Setting>;
 }
 export const usual: Setting = {
@@ -60,37 +56,16 @@ export const usual: Setting = {
   friction: 0,
   stiffnessRatio: 0.286, // 2/7, LAMMPS' default
 };
+// The buttons of gas.html say what they are about.
 export const examples: Example[] = [
-  {
-    id: "thin",
-    name: "Thin gas",
-    about: "contacts are short beside the time between them: both agree",
-    setting: { phi: 0.15, restitution: 0.9, tcNu: 0.003 },
-  },
-  {
-    id: "dense",
-    name: "Dense and soft",
-    about: "many contacts overlap in time: the two worlds cool at different rates",
-    setting: { phi: 0.6, tcNu: 0.2, restitution: 0.8 },
-  },
-  {
-    id: "collapse",
-    name: "Inelastic collapse",
-    about: "infinitely many collisions in a finite time stop one world",
-    setting: { number: 400, phi: 0.3, restitution: 0.2, tcNu: 0.01 },
-  },
+  { id: "thin", setting: { phi: 0.15, restitution: 0.9, tcNu: 0.003 } },
+  { id: "dense", setting: { phi: 0.6, tcNu: 0.2, restitution: 0.8 } },
+  { id: "collapse", setting: { number: 400, phi: 0.3, restitution: 0.2, tcNu: 0.01 } },
   {
     id: "settling",
-    name: "Settling",
-    about: "disks fall to the floor and come to rest",
     setting: { number: 200, phi: 0.25, restitution: 0.6, tcNu: 0.03, rule: "tc", walls: true, gravity: 9.8 },
   },
-  {
-    id: "rough",
-    name: "Disks that rub",
-    about: "friction passes energy between motion and spin",
-    setting: { number: 500, phi: 0.4, restitution: 0.9, tcNu: 0.1, friction: 0.5 },
-  },
+  { id: "rough", setting: { number: 500, phi: 0.4, restitution: 0.9, tcNu: 0.1, friction: 0.5 } },
 ];
 
 const names: { [K in keyof Setting]: string } = {

@@ -33,8 +33,9 @@ export class WorldView {
     g.clearRect(0, 0, width, height);
     this.drawDisks(start, seen, pixels, theme);
     this.disks.draw(g, left * ratio, top * ratio);
-    drawSpokes(g, start, seen, left, top, side, theme);
-    drawLinks(g, start, seen, left, top, side, theme);
+    const square = { left, top, side };
+    drawSpokes(g, start, seen, square, theme);
+    drawLinks(g, start, seen, square, theme);
     const { walls } = start.setting;
     g.lineWidth = walls ? 4 : 1.5;
     g.strokeStyle = walls ? theme.ink : theme.muted;
@@ -68,17 +69,24 @@ export class WorldView {
   }
 }
 
-// A radius of each disk that turns, as one path.
-function drawSpokes(
+// The box on the canvas.
+interface Square {
+  left: number;
+  top: number;
+  side: number;
+}
+
+// Draws one path in the box, with lines of a width relative to the radius of the disks on the screen. `place`: of a
+// disk on the screen.
+function drawLines(
   g: CanvasRenderingContext2D,
   start: Start,
-  { positions, angles }: Seen,
-  left: number,
-  top: number,
-  side: number,
+  { positions }: Seen,
+  { left, top, side }: Square,
   theme: GasTheme,
+  width: (r: number) => number,
+  trace: (place: (i: number) => [number, number], r: number) => void,
 ): void {
-  if (angles.length === 0) return;
   const scale = side / start.input.edge;
   const r = RADIUS * scale;
   g.save();
@@ -86,53 +94,43 @@ function drawSpokes(
   g.rect(left, top, side, side);
   g.clip();
   g.beginPath();
-  angles.forEach((angle, i) => {
-    const [x, y] = [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]];
-    g.moveTo(x, y);
-    g.lineTo(x + r * Math.cos(angle), y - r * Math.sin(angle));
-  });
-  g.lineWidth = Math.max(1, 0.16 * r);
+  trace((i) => [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]], r);
+  g.lineWidth = width(r);
   g.strokeStyle = theme.ink;
   g.stroke();
   g.restore();
 }
 
+// A radius of each disk that turns.
+function drawSpokes(g: CanvasRenderingContext2D, start: Start, seen: Seen, square: Square, theme: GasTheme): void {
+  if (seen.angles.length === 0) return;
+  const width = (r: number): number => Math.max(1, 0.16 * r);
+  drawLines(g, start, seen, square, theme, width, (place, r) =>
+    seen.angles.forEach((angle, i) => {
+      const [x, y] = place(i);
+      g.moveTo(x, y);
+      g.lineTo(x + r * Math.cos(angle), y - r * Math.sin(angle));
+    }),
+  );
+}
+
 // Lines between the centres of disks whose contacts overlap in time.
-function drawLinks(
-  g: CanvasRenderingContext2D,
-  start: Start,
-  { positions, links }: Seen,
-  left: number,
-  top: number,
-  side: number,
-  theme: GasTheme,
-): void {
-  const { walls } = start.setting;
-  const scale = side / start.input.edge;
-  const r = RADIUS * scale;
-  const place = (i: number): [number, number] => [
-    left + scale * positions[2 * i],
-    top + side - scale * positions[2 * i + 1],
-  ];
-  g.save();
-  g.beginPath();
-  g.rect(left, top, side, side);
-  g.clip();
-  g.lineWidth = Math.max(1.5, 0.3 * r);
-  g.lineCap = "round";
-  g.beginPath();
-  for (let k = 0; k < links.length; k += 2) {
-    const [x0, y0] = place(links[k]);
-    let [x1, y1] = place(links[k + 1]);
-    if (!walls) {
-      x1 -= side * Math.round((x1 - x0) / side);
-      y1 -= side * Math.round((y1 - y0) / side);
+function drawLinks(g: CanvasRenderingContext2D, start: Start, seen: Seen, square: Square, theme: GasTheme): void {
+  const { links } = seen;
+  const { side } = square;
+  const width = (r: number): number => Math.max(1.5, 0.3 * r);
+  drawLines(g, start, seen, square, theme, width, (place, r) => {
+    g.lineCap = "round";
+    for (let k = 0; k < links.length; k += 2) {
+      const [x0, y0] = place(links[k]);
+      let [x1, y1] = place(links[k + 1]);
+      if (!start.setting.walls) {
+        x1 -= side * Math.round((x1 - x0) / side);
+        y1 -= side * Math.round((y1 - y0) / side);
+      }
+      if (Math.hypot(x1 - x0, y1 - y0) > 3 * r) continue; // the contact has ended since
+      g.moveTo(x0, y0);
+      g.lineTo(x1, y1);
     }
-    if (Math.hypot(x1 - x0, y1 - y0) > 3 * r) continue; // the contact has ended since
-    g.moveTo(x0, y0);
-    g.lineTo(x1, y1);
-  }
-  g.strokeStyle = theme.ink;
-  g.stroke();
-  g.restore();
+  });
 }

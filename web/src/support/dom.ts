@@ -3,6 +3,19 @@ import { later } from "./later";
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
+export const make = <K extends keyof HTMLElementTagNameMap>(
+  name: K,
+  properties: Partial<HTMLElementTagNameMap[K]> = {},
+): HTMLElementTagNameMap[K] => Object.assign(document.createElement(name), properties);
+
+// A canvas of this size at twice the screen's resolution.
+export function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
+  const canvas = make("canvas", { width: 2 * width, height: 2 * height });
+  const g = canvas.getContext("2d")!;
+  g.scale(2, 2);
+  return [canvas, g];
+}
+
 // Moves the focus to the bar above when the focused control disappears.
 export const refocus = (): void => {
   const bar = find("panel-bar").hidden ? document.querySelector<HTMLElement>("#menu summary")! : find("panel-choice");
