@@ -38,9 +38,8 @@ class Fault:
     new: str
     why: str
     tests: list[str]
-    units: list[str] = field(
-        default_factory=list
-    )  #: files of bindings/, without suffix; by default those of `unit_of`
+    #: Files of bindings/, without suffix; by default those of `unit_of`.
+    units: list[str] = field(default_factory=list)
 
     def apply(self, core: Path) -> None:
         """Put the fault into the headers below `core`; ValueError unless the old text occurs exactly once."""
