@@ -59,9 +59,9 @@ def unit_of(test: str) -> str:
     return folders.get(room, name.removeprefix("test_"))
 
 
-def read_faults(path: Path = FAULTS) -> list[Fault]:
+def read_faults() -> list[Fault]:
     """The faults in the order of the file."""
-    entries = tomllib.loads(path.read_text(encoding="utf-8"))["fault"]
+    entries = tomllib.loads(FAULTS.read_text(encoding="utf-8"))["fault"]
     return [Fault(**({"units": [unit_of(entry["tests"][0])]} | entry)) for entry in entries]
 
 
