@@ -163,7 +163,7 @@ def _versions() -> str:
     return out
 
 
-def fresh_process(code: str, environment: dict[str, str] | None = None) -> tuple[float, float, str]:
+def fresh_process(code: str) -> tuple[float, float, str]:
     """Wall and CPU seconds of a Python process that runs ``code``, and its output."""
     import resource
     import subprocess
@@ -176,7 +176,6 @@ def fresh_process(code: str, environment: dict[str, str] | None = None) -> tuple
         capture_output=True,
         text=True,
         cwd=Path(__file__).parent,
-        env={**os.environ, **(environment or {})},
     )
     wall = time.perf_counter() - wall
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

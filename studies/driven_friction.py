@@ -227,21 +227,19 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
     return {"driven_friction.png": figure}
 
 
-STUDY = driver.Study(
+STUDY = driven_gas.study(
+    VALUES,
+    {
+        "title": "Steady states of heated and sheared gases of grains with friction, hard and soft",
+        "restitution": RESTITUTION,
+    },
     file=__file__,
     points=points,
     run=run,
     replicas=3,
-    values=driven_gas.meanings(VALUES),
     axes=lambda: {"drive": list(DRIVES), "case": list(CASES), "model": ["law", "newton"]},
-    about={
-        "title": "Steady states of heated and sheared gases of grains with friction, hard and soft",
-        "restitution": RESTITUTION,
-        **driven_gas.ABOUT,
-    },
     draw=draw,
     tables=tables,
-    dpi=200,
 )
 
 if __name__ == "__main__":

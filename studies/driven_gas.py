@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import xarray as xr
-from driver import linear_law
+from driver import Study, linear_law
 
 import hardlimit as hl
 
@@ -24,9 +24,10 @@ def axes(grid: Grid, models: Sequence[str]) -> dict[str, Sequence[Any]]:
     return {"packing_fraction": sorted(grid), "restitution": RESTITUTION, "model": models, "tc_nu": rates}
 
 
-def meanings(texts: Mapping[str, str]) -> dict[str, tuple[str, str]]:
-    """Values without a unit."""
-    return {name: ("1", text) for name, text in texts.items()}
+def study(values: Mapping[str, str], about: Mapping[str, Any], **parts: Any) -> Study:
+    """A study of a driven gas with the meanings of its values, which have no unit."""
+    meanings = {name: ("1", text) for name, text in values.items()}
+    return Study(values=meanings, about={**about, **ABOUT}, dpi=200, **parts)
 
 
 def law(restitution: float, system: hl.ParticleSystem, duration: float) -> hl.LinearDashpot:

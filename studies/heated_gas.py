@@ -174,21 +174,16 @@ def draw(ds: xr.Dataset) -> dict[str, Figure]:
     return {"heated_gas.png": figure}
 
 
-STUDY = driver.Study(
+STUDY = driven_gas.study(
+    VALUES,
+    {"title": "Steady states of a heated gas of hard spheres and of soft ones", "n": N},
     file=__file__,
     points=points,
     run=run,
     replicas=8,
-    values=driven_gas.meanings(VALUES),
     axes=lambda: driven_gas.axes(TC_NU, ("newton", "constant", "tc", "soft")),
-    about={
-        "title": "Steady states of a heated gas of hard spheres and of soft ones",
-        "n": N,
-        **driven_gas.ABOUT,
-    },
     draw=draw,
     tables=tables,
-    dpi=200,
 )
 
 if __name__ == "__main__":

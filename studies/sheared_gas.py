@@ -194,21 +194,16 @@ def draw(ds: xr.Dataset) -> dict[str, Figure]:
     return {"sheared_gas.png": figure}
 
 
-STUDY = driver.Study(
+STUDY = driven_gas.study(
+    VALUES,
+    {"title": "Steady states of a sheared gas of hard spheres and of soft ones", "n": N},
     file=__file__,
     points=points,
     run=run,
     replicas=6,
-    values=driven_gas.meanings(VALUES),
     axes=lambda: driven_gas.axes(TC_NU, ("newton", "constant")),
-    about={
-        "title": "Steady states of a sheared gas of hard spheres and of soft ones",
-        "n": N,
-        **driven_gas.ABOUT,
-    },
     draw=draw,
     tables=tables,
-    dpi=200,
 )
 
 if __name__ == "__main__":

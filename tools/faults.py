@@ -41,9 +41,8 @@ class Fault:
     new: str
     why: str
     tests: list[str]
-    units: list[str] = field(
-        default_factory=list
-    )  #: files of bindings/, without suffix; by default those of `unit_of`
+    #: Files of bindings/, without suffix; by default those of `unit_of`.
+    units: list[str] = field(default_factory=list)
 
     def apply(self, core: Path) -> None:
         """Put the fault into the headers below `core`; ValueError unless the old text occurs exactly once."""
@@ -63,9 +62,9 @@ def unit_of(test: str) -> str:
     return folders.get(room, name.removeprefix("test_"))
 
 
-def read_faults(path: Path = FAULTS) -> list[Fault]:
+def read_faults() -> list[Fault]:
     """The faults in the order of the file."""
-    entries = tomllib.loads(path.read_text(encoding="utf-8"))["fault"]
+    entries = tomllib.loads(FAULTS.read_text(encoding="utf-8"))["fault"]
     return [Fault(**({"units": [unit_of(entry["tests"][0])]} | entry)) for entry in entries]
 
 

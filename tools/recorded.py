@@ -16,12 +16,19 @@ def arguments(meaning: str | None) -> argparse.Namespace:
     return parser.parse_args()
 
 
-def rows_of(path: Path) -> dict[str, dict[str, object]]:
+def all_rows_of(path: Path) -> dict[str, list[dict[str, object]]]:
     """The rows that the file has, by script."""
-    if not path.exists():
-        return {}
-    with path.open(encoding="utf-8") as file:
-        return {row["script"]: dict(row) for row in csv.DictReader(file)}
+    rows: dict[str, list[dict[str, object]]] = {}
+    if path.exists():
+        with path.open(encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                rows.setdefault(row["script"], []).append(dict(row))
+    return rows
+
+
+def rows_of(path: Path) -> dict[str, dict[str, object]]:
+    """The row that the file has of each script."""
+    return {script: rows[-1] for script, rows in all_rows_of(path).items()}
 
 
 def write(path: Path, columns: Sequence[str], rows: Iterable[dict[str, object]]) -> None:
@@ -29,3 +36,13 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[dict[str, object]])
         table = csv.DictWriter(file, columns, lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
+
+
+def floor(side: float) -> str:
+    """STL file of a square in the plane z = 0 around the origin."""
+    a = side / 2
+    lines = ["solid floor"]
+    for corners in (((-a, -a), (a, -a), (a, a)), ((-a, -a), (a, a), (-a, a))):
+        vertices = [f"vertex {x:g} {y:g} 0" for x, y in corners]
+        lines += ["facet normal 0 0 1", "outer loop", *vertices, "endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid floor", ""])

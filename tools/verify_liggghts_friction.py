@@ -6,8 +6,6 @@ Each script collides thirty grains with a wall, or with others, at random angles
 Requires the program ``liggghts`` in PATH (Debian has it).
 """
 
-import argparse
-import csv
 import math
 import random
 import subprocess
@@ -17,26 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import recorded
 
 SCRIPTS = Path(__file__).parents[1] / "tests/checking/data/liggghts_friction.toml"
 VERSION = "3.8.0 (Debian 3.8.0+repack1-9)"
 ANGLES = 30
+COLUMNS = ["script", "version", "tan_angle", "restitution", "tangential_restitution"]
 #: Distance of the surfaces at the start, in impact speeds times steps.
 GAP = 2.3
-#: A square in the plane z = 0.
-FLOOR = (
-    "solid floor\n"
-    + "".join(
-        "facet normal 0 0 1\nouter loop\n"
-        + "".join(f"vertex {x} {y} 0\n" for x, y in corners)
-        + "endloop\nendfacet\n"
-        for corners in (
-            ((-0.04, -0.04), (0.04, -0.04), (0.04, 0.04)),
-            ((-0.04, -0.04), (0.04, 0.04), (-0.04, 0.04)),
-        )
-    )
-    + "endsolid floor\n"
-)
 #: Lines after those of the grains.
 RUN = """
 fix move all nve/sphere
@@ -108,7 +94,7 @@ def velocities_after(text: str, steps: int, time_step: float) -> np.ndarray:
     """Velocities and spins of all grains of a script after a run, one row for each."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "floor.stl").write_text(FLOOR)
+        (folder / "floor.stl").write_text(recorded.floor(0.08))
         (folder / "in.script").write_text(text + RUN.format(steps=steps, time_step=time_step))
         command = ["liggghts", "-in", "in.script", "-log", "none"]
         done = subprocess.run(command, cwd=folder, capture_output=True, timeout=600)
@@ -134,16 +120,8 @@ def measured(script: dict[str, Any], tangents: list[float], seed: str) -> tuple[
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--only", default="", help="only scripts whose name contains this")
-    arguments = parser.parse_args()
-    rows: list[dict[str, object]] = []
-    if arguments.file.exists():
-        with arguments.file.open(encoding="utf-8") as file:
-            rows = [dict(row) for row in csv.DictReader(file)]
+    arguments = recorded.arguments(__doc__)
+    rows = recorded.all_rows_of(arguments.file)
     scripts = tomllib.loads(SCRIPTS.read_text(encoding="utf-8"))["script"]
     for script in scripts:
         name = script["name"]
@@ -152,28 +130,14 @@ def main() -> None:
         draw = random.Random(name)
         tangents = sorted(float(f"{np.tan(np.radians(draw.uniform(1.0, 85.0))):.6g}") for _ in range(ANGLES))
         restitution, tangential = measured(script, tangents, f"directions of {name}")
-        rows = [row for row in rows if row["script"] != name] + [
-            {
-                "script": name,
-                "version": VERSION,
-                "tan_angle": tangent,
-                "restitution": f"{e:.6f}",
-                "tangential_restitution": f"{beta:.6f}",
-            }
+        rows[name] = [
+            dict(zip(COLUMNS, (name, VERSION, tangent, f"{e:.6f}", f"{beta:.6f}"), strict=True))
             for tangent, e, beta in zip(tangents, restitution, tangential, strict=True)
         ]
         print(name, f"ε {restitution.min():.5f} to {restitution.max():.5f}", flush=True)
-    order = {script["name"]: k for k, script in enumerate(scripts)}
-    with arguments.file.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(
-            file,
-            ["script", "version", "tan_angle", "restitution", "tangential_restitution"],
-            lineterminator="\n",
-        )
-        table.writeheader()
-        table.writerows(
-            sorted((row for row in rows if row["script"] in order), key=lambda row: order[str(row["script"])])
-        )
+    recorded.write(
+        arguments.file, COLUMNS, (row for script in scripts for row in rows.get(script["name"], []))
+    )
 
 
 if __name__ == "__main__":

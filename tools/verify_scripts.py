@@ -30,24 +30,13 @@ for _ in range(\1):
     O.step()
 print("RESULT", repr(float(O.bodies[1].state.vel[2] - O.bodies[0].state.vel[2])))
 """
-#: A square of 4 m × 4 m in the plane z = 0.
-FLOOR = (
-    "solid floor\n"
-    + "".join(
-        "facet normal 0 0 1\nouter loop\n"
-        + "".join(f"vertex {x} {y} 0\n" for x, y in corners)
-        + "endloop\nendfacet\n"
-        for corners in (((-1, -1), (1, -1), (1, 1)), ((-1, -1), (1, 1), (-1, 1)))
-    )
-    + "endsolid floor\n"
-)
 
 
 def measured(code: str, text: str, wall: bool, speed: float) -> Measured:
     """ε and the duration of the contact in the real code."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "floor.stl").write_text(FLOOR)
+        (folder / "floor.stl").write_text(recorded.floor(2.0))
         if code == "liggghts":
             speed /= 0.01 if "units cgs" in text else 1.0
             before, run, steps = text.rpartition("run ")

@@ -6,14 +6,14 @@ Requires the program ``yade`` in PATH (Debian has it). Each script runs with 30 
 surfaces comes from velocities and spins of both bodies, in random shares; spins along the normal twist the spring.
 """
 
-import argparse
-import csv
 import math
 import random
 import subprocess
 import tempfile
 import tomllib
 from pathlib import Path
+
+import recorded
 
 SCRIPTS = Path(__file__).parents[1] / "tests/checking/data/yade_friction.toml"
 VERSION = "2023.02a (Debian)"
@@ -72,17 +72,8 @@ def measured(script: dict) -> list[tuple[float, float]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--only", default="", help="only scripts whose name contains this")
-    arguments = parser.parse_args()
-    rows: dict[str, list[dict[str, str]]] = {}
-    if arguments.file.exists():
-        with arguments.file.open(encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                rows.setdefault(row["script"], []).append(dict(row))
+    arguments = recorded.arguments(__doc__)
+    rows = recorded.all_rows_of(arguments.file)
     scripts = tomllib.loads(SCRIPTS.read_text(encoding="utf-8"))["script"]
     for script in scripts:
         if arguments.only in script["name"]:
@@ -92,10 +83,9 @@ def main() -> None:
                 for x, beta in results
             ]
             print(script["name"], *(f"{beta:.3f}" for _, beta in results[::6]), flush=True)
-    with arguments.file.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        table.writeheader()
-        table.writerows(row for script in scripts for row in rows.get(script["name"], []))
+    recorded.write(
+        arguments.file, COLUMNS, (row for script in scripts for row in rows.get(script["name"], []))
+    )
 
 
 if __name__ == "__main__":

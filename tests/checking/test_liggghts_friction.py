@@ -1,10 +1,11 @@
 """Friction in scripts of LIGGGHTS: β of the numbers read, against runs of LIGGGHTS; what is said of it."""
 
 import csv
-import importlib.util
+import importlib
 import math
 import random
 import shutil
+import sys
 import tomllib
 from pathlib import Path
 
@@ -40,11 +41,10 @@ MEASURED = {
 
 def recorder():
     """The tool that runs LIGGGHTS."""
-    path = HERE.parents[1] / "tools/verify_liggghts_friction.py"
-    spec = importlib.util.spec_from_file_location("verify_liggghts_friction", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    tools = str(HERE.parents[1] / "tools")
+    if tools not in sys.path:
+        sys.path.append(tools)
+    return importlib.import_module("verify_liggghts_friction")
 
 
 def contact_of(script, text=None):

@@ -72,6 +72,10 @@ runs = {
     rule: hl.event_driven(gas, restitution=0.5, rule=rule, max_collisions=5000)
     for rule in ("constant", "threshold")
 }
+runs["adjustable"] = hl.event_driven(
+    gas, restitution=0.5, rule="adjustable", threshold_speed=0.01, max_collisions=5000, checkpoint="rule.npz"
+)
+runs["adjustable"].save("rule.nc")
 law = hl.LinearDashpot(stiffness=1e3, restitution=0.5)
 compared = hl.fidelity(gas, law=law, until=0.1, samples=2, replicas=2)
 compared.plot().savefig("fidelity.png")
@@ -81,6 +85,7 @@ except ValueError as error:
     refusal = str(error)
 print(json.dumps({
     "speeds": {rule: (run.system.granular_temperature / run.system.n) ** 0.5 for rule, run in runs.items()},
+    "loaded": hl.load("rule.nc").settings.report(), "resumed": hl.resume("rule.npz", max_collisions=5100).n_collisions,
     "table": runs["threshold"]._repr_html_(), "report": runs["threshold"].settings.report(),
     "models": compared.models, "predicted": compared.predicted("threshold").reason, "summary": str(compared),
     "refusal": refusal, "rules": hl.check(gas, law=law).contacts.rule.values.tolist(),
@@ -120,15 +125,16 @@ def environment(packages: Path) -> dict[str, str]:
     return os.environ | changed
 
 
-def add(tree: Path, header: Path, room: str, include_before: str, entry: str) -> None:
-    """Steps 1 and 2 of both recipes: the header, and its include and last entry in the registry of its room."""
+def add(tree: Path, header: Path, room: str, include_before: str, *entries: str) -> None:
+    """Steps 1 and 2 of both recipes: the header, and its include and last entries in the registry of its room."""
     shutil.copy(header, tree / "core" / room)
     registry = tree / "core" / room / "registry.hpp"
     text = registry.read_text(encoding="utf-8")
     include = f'#include "{include_before}"\n'
     assert include in text
     text = text.replace(include, f'#include "{header.name}"\n{include}')
-    text = re.sub(r"\n    X\((\w+)\)\n", rf"\n    X(\1) \\\n    X({entry})\n", text, count=1)
+    for entry in entries:
+        text = re.sub(r"\n    X\((\w+)\)\n", rf"\n    X(\1) \\\n    X({entry})\n", text, count=1)
     registry.write_text(text, encoding="utf-8")
 
 
@@ -138,7 +144,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("recipes") / "tree"
     copy_of_the_tree(path)
     add(path, LAW, "contact", "linear_dashpot.hpp", "Conical")
-    add(path, RULE, "boxes/hard_spheres/rules", "constant.hpp", "Threshold")
+    add(path, RULE, "boxes/hard_spheres/rules", "constant.hpp", "Threshold", "AdjustableThreshold")
     return path
 
 
@@ -209,6 +215,9 @@ def test_a_law_works_on_the_command_line(python: Run) -> None:
 
 def test_a_rule_works_in_boxes_and_comparisons(tree: Path, python: Run) -> None:
     output = json.loads(python("-c", NEW_RULE))
+    assert output["speeds"]["adjustable"] == output["speeds"]["threshold"]
+    assert output["loaded"] == "adjustable, restitution 0.5, threshold speed 0.01 m/s"
+    assert output["resumed"] == 5100
     assert output["speeds"]["threshold"] > 3.0 * output["speeds"]["constant"]
     assert output["report"] == "threshold, restitution 0.5" and "threshold" in output["table"]
     assert output["models"] == ["newton", "constant", "law", "tc", "soft", "threshold"]
@@ -223,3 +232,5 @@ def test_a_rule_works_on_the_command_line(python: Run) -> None:
     python(
         "-m", "hardlimit", "gas", *box, "--restitution", "0.7", "--max-collisions", "100", "--plot", "gas.png"
     )
+    adjustable = (*box[:-1], "adjustable", "--threshold-speed", "1cm/s")
+    python("-m", "hardlimit", "gas", *adjustable, "--restitution", "0.7", "--max-collisions", "100")

@@ -80,6 +80,15 @@ class NewtonSettings:
     threads: int = 1
     reason: str = ""  #: why ``"auto"`` chose this engine; empty if the user chose it
 
+    def entry(self) -> dict[str, Any]:
+        """For a JSON file."""
+        return vars(self) | {"law": law_entry(self.law)}
+
+    @classmethod
+    def from_entry(cls, entry: Mapping[str, Any]) -> NewtonSettings:
+        """The settings from :meth:`entry`."""
+        return cls(**{**entry, "law": law_from(entry["law"])})
+
 
 class Engine:
     """A compiled engine that simulates a system."""
@@ -118,8 +127,7 @@ class Engine:
             if settings.friction is not None:
                 own["friction"] = settings.friction
                 own["tangential_restitution"] = settings.tangential_restitution
-            duration = settings.contact_duration
-            own["rule_parameters"] = [] if duration is None else [duration]
+            own["rule_parameters"] = list(settings.parameters.values())
         if time_step is not None:
             own["time_step"] = time_step
         own |= spin_arguments(system)
@@ -336,7 +344,7 @@ class Engine:
             "engine": self.record.name,
             **self.system.entries(),
             "kicks": [self.kicks, self.compiled.heat],
-            "settings": vars(self.settings) | {"law": law_entry(self.settings.law)},
+            "settings": self.settings.entry(),
         }
         names = FIXED if self.system.inertia_factor is None else FIXED + SPINS
         arrays = {name: np.asarray(getattr(self.system, name)) for name in names}
@@ -346,9 +354,9 @@ class Engine:
     @classmethod
     def load(cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Engine:
         """The engine of a checkpoint. Raises KeyError, TypeError or ValueError if an entry is missing or damaged."""
-        name, options = header["engine"], dict(header["settings"])
-        options["law"] = law_from(options["law"])
-        settings = Settings(**options) if name == "hard_spheres" else NewtonSettings(**options)
+        name = header["engine"]
+        kind: type[Settings | NewtonSettings] = Settings if name == "hard_spheres" else NewtonSettings
+        settings = kind.from_entry(header["settings"])
         kicks, heat = int(header["kicks"][0]), float(header["kicks"][1])
         compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes(), kicks, heat)
         positions, velocities = compiled.state()

@@ -188,9 +188,7 @@ class ErrorLaw:
     offset: float = 0.0  #: error at t_c ν = 0, of the rule constant with friction
     offset_error: float = field(default=0.0, repr=False)  #: its standard error
     smooth_error: float = 0.0  #: error of event-driven cooling of translation without the friction, in theory
-    temperature_ratio: float = (
-        math.nan
-    )  #: T_r/T, mean of 3 to 9 collisions of each in theory; NaN for smooth particles
+    temperature_ratio: float = math.nan  #: T_r/T, mean of 3 to 9 collisions of each in theory; NaN if smooth
 
     def error(self, tc_nu: float) -> float:
         """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.

@@ -43,6 +43,7 @@ def event_driven(
     checkpoint: str | Path | None = None,
     checkpoint_every: float = 60.0,
     progress: bool | Report | None = None,
+    **parameters: float | None,
 ) -> ParticleResult:
     """Simulate a box of grains as hard spheres, whose collisions are instantaneous.
 
@@ -92,6 +93,8 @@ def event_driven(
         Interval between checkpoints, in wall-clock time.
     progress : bool or callable(done, total), optional
         True shows a bar. A function is called with the number of collisions so far and their expected total.
+    **parameters : float
+        Parameters of rules that were added to the core, by the names in their records.
 
     Raises
     ------
@@ -128,7 +131,8 @@ def event_driven(
     0.296
     """
     checked_system(system)
-    settings = checked_settings(law, restitution, rule, contact_duration, friction, tangential_restitution)
+    parameters |= {"contact_duration": contact_duration}
+    settings = checked_settings(law, restitution, rule, friction, tangential_restitution, **parameters)
     end = checked_end(until, max_collisions)
     if until is None and max_collisions is None:
         raise ValueError("until | max_collisions: got neither, must be at least one of them")

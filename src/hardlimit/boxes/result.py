@@ -441,13 +441,12 @@ class ParticleResult(_Result):
     def _saved_values(self) -> dict[str, Any]:
         return {
             **super()._saved_values(),
-            "settings": vars(self.settings) | {"law": law_entry(self.settings.law)},
+            "settings": self.settings.entry(),
         }
 
     @classmethod
     def _loaded_values(cls, header: Mapping[str, Any]) -> dict[str, Any]:
-        settings = header["settings"]
-        return {"settings": Settings(**{**settings, "law": law_from(settings["law"])})}
+        return {"settings": Settings.from_entry(header["settings"])}
 
     def __repr__(self) -> str:
         summary = f"{self.n_collisions} collisions in {self.time:.6g} s, {self.outcome}"

@@ -27,7 +27,7 @@ class Rule(NamedTuple):
     share: str  #: what the last of these, a share of the collisions, means
     knows_duration: bool  #: whether it knows the duration of contacts
     error: str  #: the rule of the law of the error with the same error; empty if that is not known
-    has_contact_duration: bool
+    parameters: Mapping[str, str]  #: units of its own parameters by name; their values are ≥ 0
 
     @property
     def has_constant_restitution(self) -> bool:
@@ -40,9 +40,7 @@ def _rule(record: Mapping[str, Any]) -> Rule:
     return Rule(
         **{name: record[name] for name in same},
         takes=tuple(argument for argument in ("restitution", "law") if record[argument]),
-        has_contact_duration=any(
-            parameter["name"] == "contact_duration" for parameter in record["parameters"]
-        ),
+        parameters={parameter["name"]: parameter["unit"] for parameter in record["parameters"]},
     )
 
 
@@ -53,6 +51,8 @@ RULES: Final = {
     record["name"]: _rule(record)
     for record in sorted(_core.rules, key=lambda record: record["name"] not in DEFAULTS.values())
 }
+#: Units of the parameters of all rules by their names, which are arguments of :func:`hardlimit.event_driven`.
+PARAMETERS: Final = {name: unit for rule in RULES.values() for name, unit in rule.parameters.items()}
 
 
 def law_entry(law: Law | None) -> list[Any] | None:
@@ -79,9 +79,14 @@ class Settings:
     rule: str  #: name of the rule
     restitution: float | None  #: constant ε, or None if a law gives ε
     law: Law | None  #: contact law that gives ε, or None
-    contact_duration: float | None  #: t_c of the rule tc [s]
+    parameters: Mapping[str, float]  #: those of the rule, in the order of its record
     friction: float | None = None  #: coefficient of friction μ; None without, and if a law gives it
     tangential_restitution: float | None = None  #: β without sliding; None without ``friction``
+
+    @property
+    def contact_duration(self) -> float | None:
+        """t_c of the rule tc [s]; None for other rules."""
+        return self.parameters.get("contact_duration")
 
     @property
     def has_friction(self) -> bool:
@@ -97,18 +102,45 @@ class Settings:
                 f"friction {self.friction:g}, tangential restitution {self.tangential_restitution:g}"
             )
         parts += [] if self.law is None else [repr(self.law)]
-        parts += [] if self.contact_duration is None else [f"contact duration {self.contact_duration:g} s"]
+        for name, value in self.parameters.items():
+            unit = "" if PARAMETERS[name] == "1" else f" {PARAMETERS[name]}"
+            parts.append(f"{name.replace('_', ' ')} {value:g}{unit}")
         return ", ".join(parts)
+
+    def entry(self) -> dict[str, Any]:
+        """For a JSON file; None for a parameter of another rule.
+
+        :meta private:
+        """
+        return {
+            "rule": self.rule,
+            "restitution": self.restitution,
+            "law": law_entry(self.law),
+            **{name: self.parameters.get(name) for name in PARAMETERS},
+            "friction": self.friction,
+            "tangential_restitution": self.tangential_restitution,
+        }
+
+    @classmethod
+    def from_entry(cls, entry: Mapping[str, Any]) -> Settings:
+        """The settings from :meth:`entry`.
+
+        :meta private:
+        """
+        others = {name: value for name, value in entry.items() if name not in PARAMETERS}
+        parameters = {name: entry[name] for name in RULES[entry["rule"]].parameters}
+        return cls(**{**others, "law": law_from(entry["law"])}, parameters=parameters)
 
 
 def checked_settings(
-    law: Any,
-    restitution: Any,
-    rule: Any,
-    contact_duration: Any,
+    law: Any = None,
+    restitution: Any = None,
+    rule: Any = None,
     friction: Any = None,
     tangential_restitution: Any = None,
+    **parameters: Any,
 ) -> Settings:
+    """The rule of a run, from arguments of :func:`hardlimit.event_driven`; ``parameters`` are those of all rules."""
     parameter = validation.exactly_one(law=law, restitution=restitution)
     if parameter == "law":
         checked_law(law)
@@ -119,15 +151,25 @@ def checked_settings(
     if parameter == "restitution":
         limits = {"lowest_allowed": True, "highest_allowed": True}
         restitution = validation.number("restitution", restitution, 0.0, 1.0, **limits)
-    if RULES[chosen].has_contact_duration:
-        if contact_duration is None:
-            raise ValueError(f"contact_duration: missing, must be >= 0 for the rule {chosen}")
-        contact_duration = validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
-    elif contact_duration is not None:
-        shown = validation.shown(contact_duration)
-        raise ValueError(f"contact_duration: got {shown}, must be left out for the rule {chosen}")
-    rubbing = _checked_friction(parameter, friction, tangential_restitution)
-    return Settings(chosen, restitution, law, contact_duration, *rubbing)
+    own = _checked_parameters(chosen, parameters)
+    return Settings(
+        chosen, restitution, law, own, *_checked_friction(parameter, friction, tangential_restitution)
+    )
+
+
+def _checked_parameters(rule: str, parameters: Mapping[str, Any]) -> dict[str, float]:
+    """Those of the rule; the others must be None."""
+    own = {}
+    for name in RULES[rule].parameters:
+        if parameters.get(name) is None:
+            raise ValueError(f"{name}: missing, must be >= 0 for the rule {rule}")
+        own[name] = validation.number(name, parameters[name], 0.0, lowest_allowed=True)
+    for name, value in parameters.items():
+        if name not in PARAMETERS:
+            raise TypeError(f"event_driven() got an unexpected keyword argument {name!r}")
+        if value is not None and name not in own:
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out for the rule {rule}")
+    return own
 
 
 def _checked_friction(

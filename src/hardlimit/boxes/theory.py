@@ -372,9 +372,7 @@ class RotatingGas:
 
     gas: Gas  #: the same without rotation
     restitution: float  #: ε
-    _means: Callable[[float], Means] = field(
-        repr=False
-    )  #: of (1 + β) g_t² and (1 + β)² g_t² by the ratio λ of the variances
+    _means: Callable[[float], Means] = field(repr=False)  #: of (1 + β) g_t² and (1 + β)² g_t² by the ratio λ
 
     def mean_collision(self, temperature_ratio: float) -> MeanCollision:
         """Means over the collisions at a temperature ratio θ.

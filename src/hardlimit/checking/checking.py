@@ -300,7 +300,7 @@ class System:
     def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
         """What is not known, in words."""
         rows = [row for _, row in self.examined]
-        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.options.drive), states)
+        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.options.drive))
 
     def remarks(self, several: bool) -> Iterator[str]:
         """Remarks on the contacts, which name their units if the script has several."""
@@ -726,9 +726,7 @@ def _no_speed(
     yield f"No speed from {driven.words(plain)}: {reason}."
 
 
-def _missing(
-    rows: Sequence[CheckedContact], gas: Surroundings, speeds: Sequence[float], states: Sequence[dumps.State]
-) -> tuple[str, ...]:
+def _missing(rows: Sequence[CheckedContact], gas: Surroundings, speeds: Sequence[float]) -> tuple[str, ...]:
     """What is not known, in words."""
     pairs = [row for row in rows if row.types[1] != cases.WALL]
     missing = []
@@ -1033,7 +1031,7 @@ def _of_law(
     grains = _held(replace(stage, time_step=step), support, options, around)
     question = _flowing(question, grains, stage.gravity is not None)
     invalidates = [*_held_together(grains, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive), dumped)
+    missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive))
     decisive = [row for row in rows if not supposed or row.types[1] != "wall"]
     admissible, sentence = answer.answer(decisive, invalidates, (), missing, question)
     rubs = supposed and any(row.friction.coefficient for row in rows)

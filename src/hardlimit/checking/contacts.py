@@ -75,7 +75,7 @@ class Surroundings:
     restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
     frictions: tuple[float | None, ...] = (
         0.0,
-    )  #: the coefficients of friction between its grains; None: not known
+    )  #: coefficients of friction between its grains; None: not known
     inertia_factors: tuple[float, ...] = ()  #: of its grains
 
     def collision_rate(self, speed: float, diameter: float) -> float:

@@ -110,9 +110,8 @@ def span(values: Sequence[float]) -> str:
 def _too_long(row: CheckedContact, accepted: float) -> bool:
     """Whether the time step changes ε."""
     error = row.restitution_error_of_step
-    return row.steps_per_contact is not None and (
-        error is None or error > ENOUGH * accepted
-    )  # None: the contact does not end
+    # None: the contact does not end.
+    return row.steps_per_contact is not None and (error is None or error > ENOUGH * accepted)
 
 
 class Need(NamedTuple):

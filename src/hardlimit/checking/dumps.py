@@ -39,9 +39,7 @@ class State:
     step: int  #: time step of the frame
     grains: int  #: number of grains
     packing_fraction: float | None  #: None without radii
-    temperature: (
-        float | None
-    )  #: mean square of a velocity component about the mean velocity; None without velocities
+    temperature: float | None  #: mean square of a velocity component about the mean; None without velocities
     mean_diameter: float | None  #: None without radii
     largest_overlap: float | None  #: over the smaller radius; None without positions or radii
     coordination: float | None  #: mean number of contacts of a grain

@@ -119,9 +119,8 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
     ):
         comparison = compare(column)
         shown = newton(column, until) if until is not None else comparison.newton
-        content = as_mapping(
-            comparison, shown
-        )  # solves what follows the sequence; results keep it for the report
+        # Solves what follows the sequence; results keep it for the report.
+        content = as_mapping(comparison, shown)
     write_outputs(comparison, shown, outputs, dpi)
     if as_json:
         print_json(content)

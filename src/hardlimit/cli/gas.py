@@ -25,7 +25,7 @@ from ..boxes.hard_spheres import NAME as HARD_SPHERES
 from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
 from ..boxes.result import at_the_end
-from ..boxes.rules import checked_settings
+from ..boxes.rules import PARAMETERS, checked_settings
 from ..boxes.run import load
 from ..boxes.system import described
 from ..boxes.thermostats import as_entry
@@ -76,9 +76,9 @@ newton_options = options(
     ),
 )
 #: Options that have no meaning for Newton's equations.
-HARD_SPHERES_ONLY = ("rule", "contact_duration", "tangential_restitution", "max_collisions")
-#: Arguments that make a rule, in the order of ``checked_settings``.
-RULE_ARGUMENTS = ("law", "restitution", "rule", "contact_duration", "friction", "tangential_restitution")
+HARD_SPHERES_ONLY = ("rule", *PARAMETERS, "tangential_restitution", "max_collisions")
+#: Arguments that make a rule.
+RULE_ARGUMENTS = ("law", "restitution", "rule", *PARAMETERS, "friction", "tangential_restitution")
 FRAMES = ("out", "animate")
 ENDS = ("until", "max_collisions")
 PICTURES = ("plot", *FRAMES)
@@ -207,7 +207,7 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Solve]:
         refuse_frames_without_end(job.outputs, job.run.get("until"))
     # Arguments are checked before the start is made, which takes minutes for a million particles.
     settings = rule | job.run
-    checked_settings(*(settings.get(name) for name in RULE_ARGUMENTS))
+    checked_settings(**{name: settings.get(name) for name in RULE_ARGUMENTS})
     checked_end(settings.get("until"), settings.get("max_collisions"))
     start = job.start()
     if "max_collisions" not in job.run:
@@ -500,7 +500,8 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
         law, names = result.law, NEWTON_NUMBERS
     else:
         settings, law, names = result.settings, result.settings.law, HARD_SPHERES_NUMBERS
-        content |= {name: getattr(settings, name) for name in RULE_ARGUMENTS[1:]}
+        rule = settings.entry()
+        content |= {name: rule[name] for name in RULE_ARGUMENTS[1:]}
     content |= {"law": None if law is None else law_mapping(law)}
     content |= {key: getattr(result, name) for key, name in names.items()} | softness_numbers(result)
     if not isinstance(result, hl.ContactResult):

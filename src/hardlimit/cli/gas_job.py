@@ -16,7 +16,7 @@ from ..boxes.box import BOUNDARIES
 from ..boxes.files import FORMATS
 from ..boxes.files.completion import UNITS
 from ..boxes.hard_spheres import expected_duration
-from ..boxes.rules import RULES
+from ..boxes.rules import PARAMETERS, RULES
 from ..boxes.theory import Gas
 from ..boxes.walls import AXES, LARGEST, WAVEFORMS
 from ..column import files as columns
@@ -111,6 +111,13 @@ ALIASES: Final = {
 #: Interval between the kicks of a heated gas, in mean times between two collisions of a particle.
 KICK_INTERVAL: Final = 0.1
 
+
+def _parameter(name: str, unit: str) -> Entry:
+    """A parameter of a collision rule."""
+    rules = " and ".join(rule.name for rule in RULES.values() if name in rule.parameters)
+    return Entry(name, f"{name.replace('_', ' ').capitalize()} of the rule {rules} [{unit}].", unit=unit)
+
+
 SAMPLES: Final = _run("samples", "Number of equal time intervals between samples.", kind=int)
 UNTIL: Final = Entry(
     "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", "s"
@@ -118,7 +125,7 @@ UNTIL: Final = Entry(
 #: Entries of the table [event_driven], which also has the restitution of all collisions.
 RUN: Final = (
     Entry("rule", f"Collision rule: {' | '.join(RULES)}.  [default: constant, or law with a contact law]"),
-    Entry("contact_duration", "Contact duration of the rule tc [s].", unit="s"),
+    *(_parameter(name, unit) for name, unit in PARAMETERS.items()),
     Entry(
         "tangential_restitution",
         "Tangential restitution β of collisions that do not slide, with --friction and without a contact law.",

@@ -75,9 +75,7 @@ class ObliqueImpact:
     duration: float  #: from touch to the end of the normal force [s]
     compression: float  #: with which a dissipative contact ends [m]
     intervals: tuple[Interval, ...]  #: in order; without a spring, stick is below Coulomb's limit
-    ledger: Mapping[str, float] = field(
-        repr=False
-    )  #: energies in the springs and lost [J], see :attr:`energies`
+    ledger: Mapping[str, float] = field(repr=False)  #: energies in springs and lost [J], see :attr:`energies`
     approach: Approach = field(repr=False)  #: :meta private:
 
     @property

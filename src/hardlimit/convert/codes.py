@@ -170,9 +170,7 @@ class Code:
     title: str  #: full name
     version: str  #: version that was examined
     sources: list[str]  #: sources of the formulas
-    checked: Literal[
-        "run", "source"
-    ]  #: whether its numbers were compared with runs or only with its source code
+    checked: Literal["run", "source"]  #: whether its numbers were compared with runs or only with its source
     walls: str  #: description of the effective mass at a wall
     scheme: Literal["half step"]  #: the damping uses the velocity of half a step before
     models: list[Model]  #: its contact models

@@ -19,7 +19,14 @@ LAWS: Final = {
 }
 #: Powers of the elastic force, four times each, whose K a stiffness or a modulus sets.
 LINEAR: Final = 4
-SETTING: Final = {"stiffness": (LINEAR,), "youngs_modulus": (LINEAR, 6)}
+HERTZ: Final = 6
+SETTING: Final = {"stiffness": (LINEAR,), "youngs_modulus": (LINEAR, HERTZ)}
+#: The default law of each elastic force is the first whose restitution does not depend on the speed: 2q = p − 1.
+DEFAULTS: Final = {
+    powers.elastic: name
+    for name, powers in reversed(LAWS.items())
+    if 2 * powers.damping == powers.elastic - LINEAR
+}
 LOWEST: Final = 1e-3  #: smallest restitution
 LARGEST: Final = 1e30  #: largest compression [m] and duration [s], and one over the smallest
 
@@ -116,7 +123,7 @@ def wanted(
     }
     way = validation.exactly_one(**ways)
     if law is None:
-        law = "tsuji" if way == "youngs_modulus" else "linear"
+        law = DEFAULTS[HERTZ if way == "youngs_modulus" else LINEAR]
     name = validation.one_of("law", law, list(LAWS))
     elastic = LAWS[name].elastic
     possible = [name for name in ways if elastic in SETTING.get(name, (elastic,))]

@@ -29,7 +29,11 @@ from .store import Store, facts_of
 
 __all__ = ["MODELS", "Fidelity", "fidelity"]
 
-MODELS: Final = (NEWTON, *RULES)
+#: A comparison gives a rule no parameter but the duration of a contact.
+MODELS: Final = (
+    NEWTON,
+    *(name for name, rule in RULES.items() if {*rule.parameters} <= {"contact_duration"}),
+)
 ENGINES: Final = ("auto", "events", "steps")
 LEAST_RESOLUTION: Final = 1e-5
 

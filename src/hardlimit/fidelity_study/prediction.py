@@ -36,9 +36,7 @@ INTERVALS: Final = 64
 class Prediction(NamedTuple):
     """Prediction for the final difference of the cooling of a rule; made by ``Fidelity.predicted``."""
 
-    value: float = (
-        math.nan
-    )  #: relative difference, positive if the rule cools too fast; NaN if there is no prediction
+    value: float = math.nan  #: relative difference, > 0 if the rule cools too fast; NaN without a prediction
     error: float = math.nan  #: its standard error
     reason: str = ""  #: why there is no prediction
     extrapolated: str = ""  #: which argument of the law is outside the range of its measurements

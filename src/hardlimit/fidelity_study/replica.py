@@ -197,13 +197,13 @@ def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
         step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None) if steps else None
         return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, output, step)
     rule = RULES[model]
-    duration = plan.contact_duration if rule.has_contact_duration else None
+    parameters = dict.fromkeys(rule.parameters, plan.contact_duration)
     if "restitution" in rule.takes:
         friction = None if plan.law.friction is None else plan.law.friction.coefficient
         rubbing = (friction, plan.tangential_restitution)
-        settings = Settings(model, plan.restitution, None, duration, *rubbing)
+        settings = Settings(model, plan.restitution, None, parameters, *rubbing)
     else:
-        settings = Settings(model, None, plan.law, duration)
+        settings = Settings(model, None, plan.law, parameters)
     return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), output)
 
 

@@ -93,9 +93,8 @@ def alignment(system: ParticleSystem, *, streaming: Streaming = None, bins: int 
     if system.dimension == 2:
         raise ValueError(f"system: got {system.count()}, must be spheres: disks spin across their paths")
     squares = [np.einsum("ij,ij->i", vectors, vectors) for vectors in (spins, velocities)]
-    directed = np.all(
-        [square > 1e-24 * square.mean() for square in squares], axis=0
-    )  # others are rounding errors
+    # Others are rounding errors.
+    directed = np.all([square > 1e-24 * square.mean() for square in squares], axis=0)
     cosines = np.einsum("ij,ij->i", spins, velocities)[directed] / np.sqrt(squares[0] * squares[1])[directed]
     value = float((cosines * cosines).mean()) if directed.any() else math.nan
     return array("alignment", (), value, "1", "mean square cosine of spin and velocity")

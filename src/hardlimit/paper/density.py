@@ -27,9 +27,9 @@ COARSE = 20.0
 FINE = 1.0
 
 
-def spike_tips(paper: Paper, lowest: float = 0.62) -> list[float]:
+def spike_tips(paper: Paper) -> list[float]:
     """ε below which one more contact follows after the floor contact: the two highest (NaN: none)."""
-    grid = np.linspace(lowest, 1.0, 381)
+    grid = np.linspace(0.62, 1.0, 381)
     rising = np.flatnonzero(np.diff(counts_over(paper.linear(), restitution=grid)) < 0)  # towards small ε
     tips = []
     for i in rising[::-1][:2]:

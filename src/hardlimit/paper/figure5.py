@@ -46,9 +46,9 @@ def compute(paper: Paper) -> xr.Dataset:
     return data
 
 
-def safe_gap(data: xr.Dataset, within: float = 0.01) -> float:
-    """Smallest Δh above which the ratio stays within ``within`` of 1 [m]; NaN if there is none."""
-    good = np.abs(data["restitution_ratio"].values - 1.0) <= within
+def safe_gap(data: xr.Dataset) -> float:
+    """Smallest Δh above which the ratio stays within 0.01 of 1 [m]; NaN if there is none."""
+    good = np.abs(data["restitution_ratio"].values - 1.0) <= 0.01
     bad = np.flatnonzero(~good)
     first = 0 if bad.size == 0 else bad[-1] + 1
     return float(data["gap"].values[first]) if first < good.size else float("nan")

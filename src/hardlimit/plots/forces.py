@@ -21,7 +21,7 @@ Curve = tuple["NDArray[np.float64]", "NDArray[np.float64]"]
 MAX_DRAWN = 400  #: contacts of a pair that are drawn, evenly chosen from more
 
 
-def force_curve(result: Result, pair: int, stop: float, samples: int = 200) -> Curve:
+def force_curve(result: Result, pair: int, stop: float) -> Curve:
     """Times [s] and forces [N] of a pair: each contact from begin to end, zero in between.
 
     At most ``MAX_DRAWN`` contacts are included.
@@ -31,7 +31,7 @@ def force_curve(result: Result, pair: int, stop: float, samples: int = 200) -> C
     chosen = spread(np.flatnonzero(end > begin))
     begin, end = begin[chosen, None], end[chosen, None]
     # Samples lie just inside the contact, because the force jumps at its begin.
-    fraction = np.concatenate([[1e-6], np.linspace(0.0, 1.0, samples)[1:-1], [1 - 1e-6]])
+    fraction = np.concatenate([[1e-6], np.linspace(0.0, 1.0, 200)[1:-1], [1 - 1e-6]])
     inside = begin + (end - begin) * fraction
     force = result.trajectory(inside.ravel())["force"].sel(pair=pair).values.reshape(inside.shape)
     outside = np.zeros_like(begin)

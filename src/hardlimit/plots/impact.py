@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -16,34 +18,35 @@ from .style import GREY, PAGE_WIDTH, PALETTE, style
 
 #: Head room above a curve, of the range of its values.
 HEAD_ROOM: Final = 0.12
+Times = NDArray[np.float64]
 
 
 def impact(result: Impact) -> Figure:
     """Forces with Coulomb's limit, slip velocity and spins of a contact over time; intervals of stick are shaded."""
+    title = rf"$\varepsilon = {result.restitution:.3g}$, $\beta = {result.tangential_restitution:.3g}$"
+    return panels(result, title, _draw_forces, _draw_slip, _draw_spins)
+
+
+def panels(result: Any, title: str, *draw: Callable[[Axes, Any, xr.Dataset, Times], None]) -> Figure:
+    """Three quantities of a contact over time, one below the other."""
     motion = result.trajectory()
     factor, unit = scaled(result.duration, "s")
     time = motion["time"].values * factor
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.62, 5.4))
-        forces, slip, spins = figure.subplots(3, 1, sharex=True, height_ratios=(1.5, 1.0, 1.0))
-        _draw_forces(forces, result, motion, time)
-        _draw_slip(slip, motion, time)
-        _draw_spins(spins, result, motion, time)
-        for ax in (forces, slip, spins):
+        axes = figure.subplots(3, 1, sharex=True, height_ratios=(1.5, 1.0, 1.0))
+        for ax, function in zip(axes, draw, strict=True):
+            function(ax, result, motion, time)
+        for ax in axes:
             shade(ax, result.intervals, factor)
         figure.align_ylabels()
-        spins.set_xlabel(f"time after touch [{unit}]")
-        spins.set_xlim(0.0, result.duration * factor)
-        forces.set_title(_title(result), fontsize="medium", pad=17.0)
+        axes[-1].set_xlabel(f"time after touch [{unit}]")
+        axes[-1].set_xlim(0.0, result.duration * factor)
+        axes[0].set_title(title.replace("-", "−"), fontsize="medium", pad=17.0)
     return figure
 
 
-def _title(result: Impact) -> str:
-    epsilon, beta = result.restitution, result.tangential_restitution
-    return rf"$\varepsilon = {epsilon:.3g}$, $\beta = {beta:.3g}$".replace("-", "−")
-
-
-def _draw_forces(ax: Axes, result: Impact, motion: Any, time: NDArray[np.float64]) -> None:
+def _draw_forces(ax: Axes, result: Impact, motion: xr.Dataset, time: Times) -> None:
     """Normal and tangential force; of the limit, what the tangential force may reach at most."""
     normal, tangential = motion["normal_force"].values, motion["tangential_force"].values
     limit = result.numbers.terms.coefficient * np.abs(normal)
@@ -58,7 +61,7 @@ def _draw_forces(ax: Axes, result: Impact, motion: Any, time: NDArray[np.float64
     ax.legend(loc="upper right")
 
 
-def _draw_slip(ax: Axes, motion: Any, time: NDArray[np.float64]) -> None:
+def _draw_slip(ax: Axes, _: Impact, motion: xr.Dataset, time: Times) -> None:
     values = motion["slip_velocity"].values
     factor, unit = scaled(float(np.abs(values).max()), "m/s")
     ax.plot(time, values * factor, color=PALETTE["vermillion"])
@@ -66,7 +69,7 @@ def _draw_slip(ax: Axes, motion: Any, time: NDArray[np.float64]) -> None:
     _with_zero(ax)
 
 
-def _draw_spins(ax: Axes, result: Impact, motion: Any, time: NDArray[np.float64]) -> None:
+def _draw_spins(ax: Axes, result: Impact, motion: xr.Dataset, time: Times) -> None:
     """The spins of the bodies that can turn."""
     turning = [body for body in ("ball", "other") if isinstance(getattr(result, body), Ball)]
     for body, colour in zip(turning, ("green", "purple"), strict=False):

@@ -3,43 +3,31 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ..contact.balls import Ball
 from ..contact.oblique_impact import ObliqueImpact
-from .impact import shade
+from .impact import Times, panels
 from .labels import scaled
-from .style import GREY, PAGE_WIDTH, PALETTE, style
+from .style import GREY, PALETTE
 
 
 def oblique_impact(result: ObliqueImpact) -> Figure:
     """Normal and tangential force with Coulomb's limit, slip speed and components of the spins over time."""
-    motion = result.trajectory()
-    factor, unit = scaled(result.duration, "s")
-    time = motion["time"].values * factor
-    with style():
-        figure = Figure(figsize=(PAGE_WIDTH * 0.62, 5.4))
-        forces, slip, spins = figure.subplots(3, 1, sharex=True, height_ratios=(1.5, 1.0, 1.0))
-        _draw_forces(forces, result, motion, time)
-        slip.plot(time, np.linalg.norm(motion["slip_velocity"].values, axis=1), color=PALETTE["vermillion"])
-        slip.set_ylabel("slip speed [m/s]")
-        _draw_spins(spins, result, motion["spin"].values, time)
-        for ax in (forces, slip, spins):
-            shade(ax, result.intervals, factor)
-        figure.align_ylabels()
-        spins.set_xlabel(f"time after touch [{unit}]")
-        spins.set_xlim(0.0, result.duration * factor)
-        title = rf"$\varepsilon = {result.restitution:.3g}$, turn {math.degrees(result.turn):.3g}°"
-        forces.set_title(title.replace("-", "−"), fontsize="medium", pad=17.0)
-    return figure
+    title = rf"$\varepsilon = {result.restitution:.3g}$, turn {math.degrees(result.turn):.3g}°"
+    return panels(result, title, _draw_forces, _draw_slip, _draw_spins)
 
 
-def _draw_forces(ax: Axes, result: ObliqueImpact, motion: Any, time: NDArray[np.float64]) -> None:
+def _draw_slip(ax: Axes, _: ObliqueImpact, motion: xr.Dataset, time: Times) -> None:
+    ax.plot(time, np.linalg.norm(motion["slip_velocity"].values, axis=1), color=PALETTE["vermillion"])
+    ax.set_ylabel("slip speed [m/s]")
+
+
+def _draw_forces(ax: Axes, result: ObliqueImpact, motion: xr.Dataset, time: Times) -> None:
     normal = motion["normal_force"].values
     tangential = np.linalg.norm(motion["tangential_force"].values, axis=1)
     factor, unit = scaled(float(normal.max()), "N")
@@ -53,10 +41,9 @@ def _draw_forces(ax: Axes, result: ObliqueImpact, motion: Any, time: NDArray[np.
     ax.legend(loc="upper right")
 
 
-def _draw_spins(
-    ax: Axes, result: ObliqueImpact, spins: NDArray[np.float64], time: NDArray[np.float64]
-) -> None:
+def _draw_spins(ax: Axes, result: ObliqueImpact, motion: xr.Dataset, time: Times) -> None:
     """The components of the spins, those of the second ball dashed."""
+    spins = motion["spin"].values
     for body, name in enumerate(("ball", "other")):
         if not isinstance(getattr(result.contact, name), Ball):
             continue

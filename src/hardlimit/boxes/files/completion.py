@@ -59,7 +59,7 @@ def completed(content: Found, options: Options) -> tuple[dict[str, Any], float]:
     if options.velocities is not None and validation.is_number(options.velocities):
         options = replace(options, velocities=np.full((n, d), options.velocities, float))
     for name, other in (("velocities", ""), ("radius", ""), ("density", "mass")):
-        _fill(arguments, name, other, getattr(options, name), content.types, n)
+        _fill(arguments, name, other, getattr(options, name), content.types)
     _turn(arguments, options.inertia_factor, n, d)
     sides = None if options.boundary is None else checked_boundary(options.boundary, d)
     _bound(arguments, content, sides, options.shear_rate, scale)
@@ -98,9 +98,7 @@ def _in_si(name: str, value: Any, scale: Sequence[Decimal]) -> Any:
     return value / float(1 / unit) if unit < 1 else value * float(unit)
 
 
-def _fill(
-    arguments: dict[str, Any], name: str, other: str, value: Any, types: list[str] | None, n: int
-) -> None:
+def _fill(arguments: dict[str, Any], name: str, other: str, value: Any, types: list[str] | None) -> None:
     """Put a value into the arguments that lack it; ``other`` makes it needless."""
     present = name in arguments or other in arguments
     if value is None and not present:

@@ -112,7 +112,7 @@ def wraps_of(sides: Iterable[str]) -> list[bool]:
     return [side.startswith("p") for side in sides]
 
 
-def rounding_of(values: Iterable[Floats], least: int = 6, most: int = 13) -> float:
+def rounding_of(values: Iterable[Floats]) -> float:
     """Rounding error of decimal numbers: half of the last digit of the largest one.
 
     All have as many digits as the longest, at least 6, as C's %g has: shorter ones end in zeros.
@@ -122,7 +122,7 @@ def rounding_of(values: Iterable[Floats], least: int = 6, most: int = 13) -> flo
     if not x.size:
         return 0.0
     exponents = np.floor(np.log10(x))
-    for digits in range(least, most):
+    for digits in range(6, 13):
         scaled = x * 10.0 ** (digits - 1 - exponents)
         if (np.abs(scaled - np.rint(scaled)) <= 8.0 * np.finfo(float).eps * scaled).all():
             break

@@ -190,9 +190,7 @@ class Description:
     version: str | None  #: as it is given, or as a log states it
     stages: tuple[Stage, ...]
     ignored: tuple[Note, ...] = field(default=())  #: leaves head-on collisions as they are
-    invalidates: tuple[Note, ...] = field(
-        default=()
-    )  #: makes contacts sticky, dissipates elsewhere, ties grains
+    invalidates: tuple[Note, ...] = ()  #: makes contacts sticky, dissipates elsewhere, ties grains
     warnings: tuple[Note, ...] = field(default=())  #: what the friction of the script really does
     unknown: tuple[Quote, ...] = field(default=())  #: statements that were not understood
     #: Messages that refuse those of them, and of what invalidates, on which the force of contacts depends.

@@ -208,7 +208,7 @@ LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
 PROPERTIES: Final = {"peratomtype": 1, "peratomtypepair": 2, "scalar": 0}
 
 
-def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = False) -> Words:
+def gran_model(statement: Statement, words: Sequence[str]) -> Words:
     """``model NAME word value …``, up to the shape of a wall."""
     if len(words) < 2 or words[0] != "model":
         raise refused(statement, "begin with model NAME")
@@ -220,7 +220,7 @@ def gran_model(statement: Statement, words: Sequence[str], adhesion: bool = Fals
             shape.append(word)
             k += 1
             continue
-        sticks = word == "cohesion" and adhesion and after
+        sticks = word == "cohesion" and after
         if not sticks and (word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after)):
             known = LIGGGHTS.get(word)
             must = f"be {word} {' or '.join(known)}" if known else f"be a setting of model {words[1]}"

@@ -14,7 +14,7 @@ from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
 from .population import Batch
-from .state import CREATED, DISK, INTEGRATORS, MAX_TYPES, SPHERE, Fix, State
+from .state import CREATED, DISK, MAX_TYPES, SPHERE, Fix, State
 from .statements import Statement, refused, settings
 
 #: Words after the shape of a wall with their number of values.
@@ -267,11 +267,7 @@ class Lammps(State):
 
     def inertia_factor(self, kind: int) -> float:
         """As for all codes; the fixes that integrate spins take grains as disks if they have the word ``disc``."""
-        own = [
-            fix
-            for fix in self.fixes.values()
-            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
-        ]
+        own = self.integrators_of(kind)
         spinning = [fix for fix in own if fix.style not in SPINLESS]
         if spinning or not own:
             return DISK if spinning and all("disc" in fix.words for fix in spinning) else SPHERE

@@ -14,7 +14,7 @@ from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
 from .population import Batch
-from .state import DISK, INTEGRATORS, MAX_TYPES, SPHERE, Fix, State
+from .state import DISK, MAX_TYPES, SPHERE, Fix, State
 from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
@@ -125,9 +125,7 @@ class Liggghts(State):
         if not statement.words[1:] or unaccelerated(statement.words[1]) != "gran":
             raise refused(statement, "be pair_style gran model NAME")
         self.model, self.granular = None, True
-        if self.understood(
-            statement, lambda: granular_words.gran_model(statement, statement.words[2:], True)
-        ):
+        if self.understood(statement, lambda: granular_words.gran_model(statement, statement.words[2:])):
             self.model = (self.words(statement, statement.words[2:]), statement.quote)
 
     def command_pair_coeff(self, statement: Statement) -> None:
@@ -139,7 +137,7 @@ class Liggghts(State):
 
     def words(self, statement: Statement, words: Sequence[str]) -> Settings:
         """The settings of a model; what is special about it is noted."""
-        parsed = granular_words.gran_model(statement, words, True)
+        parsed = granular_words.gran_model(statement, words)
         for what in parsed.beside:
             self.ignore(what, statement)
         for name, known in liggghts_friction.KNOWN_WORDS.items():
@@ -252,7 +250,7 @@ class Liggghts(State):
 
     def parsed_wall(self, fix: Fix) -> tuple[Words, list[int]]:
         """The words of a wall and the types of its material."""
-        parsed = granular_words.gran_model(fix.statement, fix.words, True)
+        parsed = granular_words.gran_model(fix.statement, fix.words)
         rest = parsed.rest
         if "primitive" in rest:
             kind = self.type_of(self.option(fix, "type"))
@@ -331,11 +329,7 @@ class Liggghts(State):
 
     def inertia_factor(self, kind: int) -> float:
         """Disks in two dimensions; infinite if only fixes that leave spins alone move the grains."""
-        own = [
-            fix
-            for fix in self.fixes.values()
-            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
-        ]
+        own = self.integrators_of(kind)
         if own and all(fix.style in SPINLESS for fix in own):
             return math.inf
         return DISK if self.dimension == 2 else SPHERE

@@ -1037,6 +1037,14 @@ class State:
         stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
         return stopped or bool(integrators and not integrated)
 
+    def integrators_of(self, kind: int) -> list[Fix]:
+        """The fixes that move grains of a type."""
+        return [
+            fix
+            for fix in self.fixes.values()
+            if fix.style.startswith(INTEGRATORS) and kind in self.within(self.members(fix.group))
+        ]
+
     def inertia_factor(self, kind: int) -> float:
         """q of the moment of inertia q m R² with which the grains of a type spin; infinite if their spins stay."""
         return SPHERE

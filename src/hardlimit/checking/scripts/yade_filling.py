@@ -32,9 +32,8 @@ class YadeFilling:
     cell: tuple[float, ...] | None = None  #: edges of the periodic cell
     periodic: bool = False
     places: list[tuple[Direction, Direction]] = field(default_factory=list)  #: where spheres are made
-    floors: list[tuple[Direction, Direction]] = field(
-        default_factory=list
-    )  #: ends of walls, boxes and facets
+    #: Ends of walls, boxes and facets.
+    floors: list[tuple[Direction, Direction]] = field(default_factory=list)
     velocities: dict[int, Direction] = field(default_factory=dict)  #: of single bodies
     known: bool = True  #: whether no velocity is unknown
     container: Container = field(default_factory=Container)
