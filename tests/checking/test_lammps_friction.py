@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import test_friction_in_lammps as in_lammps
 from oblique_in_lammps import contact_of, measured, prepared
-from test_script_fuzz import stand_ins
+from stand_ins import stand_ins
 
 import hardlimit as hl
 from hardlimit.checking.scripts import read

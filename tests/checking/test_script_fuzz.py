@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 import test_friction_in_lammps as in_lammps_oblique
 import test_two_grains_in_lammps as in_lammps
+from stand_ins import stand_ins
 
 import hardlimit as hl
 from conftest import slow
-from hardlimit.checking import contacts
 from hardlimit.checking.scripts import Description, read
 from hardlimit.checking.scripts.statements import logical_lines
 
@@ -122,23 +122,6 @@ def other(word: str) -> str:
     if not NUMBER.fullmatch(word):
         return f"{word}x"
     return str(int(word) + 1) if word.isdecimal() else f"{0.87 * float(word) or 0.13:.6g}"
-
-
-def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Numbers of friction, which take long, are replaced by one that differs if anything does on which they depend."""
-
-    def stand_in(case, first, second, speed, dimension):
-        if case.friction.coefficient == 0.0 or case.friction.terms is None:
-            return {}
-        force = case.force(first, second, speed)
-        if isinstance(force, contacts.AdhesiveForce):
-            return {}
-        contact = contacts.friction.contact_of(case.friction.terms, force, (first, second), speed)
-        text = repr((contact, case.time_step, dimension))
-        return {"limit": "total", "stiffness_ratio": float(int.from_bytes(text.encode()) % 1000003)}
-
-    monkeypatch.setattr(contacts, "_friction", stand_in)
-    monkeypatch.setattr(contacts, "_with_friction", lambda *arguments: {})
 
 
 def answer(text: str) -> object:

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_script_fuzz import DATA, NUMBER, mutants, stand_ins
+from stand_ins import stand_ins
+from test_script_fuzz import DATA, NUMBER, mutants
 
 import hardlimit as hl
 from conftest import draws, slow

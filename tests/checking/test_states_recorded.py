@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from test_script_fuzz import stand_ins
+from stand_ins import stand_ins
 
 import hardlimit as hl
 from conftest import table
