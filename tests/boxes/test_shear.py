@@ -67,7 +67,7 @@ def test_first_collisions_are_those_of_the_reference(
     assert_same(log(run), collisions(system, 0.9, 200), 1e-7)
 
 
-@draws(150)
+@draws(60)
 @given(
     seed=st.integers(0, 2**20),
     n=st.integers(2, 30),
@@ -114,7 +114,7 @@ def test_small_random_boxes(
     assert run.system._deepest_relative_overlap < 1e-9
 
 
-@draws(200)
+@draws(80)
 @given(
     seed=st.integers(0, 2**20),
     n=st.integers(2, 80),

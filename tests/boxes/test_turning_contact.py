@@ -156,7 +156,7 @@ def deviations(draw: Draw) -> dict[str, float]:
     return {"duration": abs(impact.duration - duration) / draw.duration, **sizes}
 
 
-@draws(100, few=5)
+@draws(50, few=5)
 @given(SEEDS)
 def test_against_an_independent_integration(seed: int) -> None:
     """``tools/compare_turning_contact.py`` does this for thousands of draws."""

@@ -1277,7 +1277,7 @@ def with_friction(code: str, mu: float, wall: float, stiffness: float, restituti
     )
 
 
-@draws(40, few=4)
+@draws(20, few=4)
 @given(
     code=st.sampled_from(["linear", "mindlin", "plain", "gran", "liggghts", "yade"]),
     mu=st.sampled_from([0.0, 0.0, 1e-6, 0.3, 5.0]),

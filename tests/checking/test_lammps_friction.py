@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import test_friction_in_lammps as in_lammps
 from oblique_in_lammps import contact_of, measured, prepared
+from stand_ins import stand_ins
 
 import hardlimit as hl
 from hardlimit.checking.scripts import read
@@ -283,7 +284,8 @@ TRAPS = {
 
 
 @pytest.mark.parametrize("name", TRAPS)
-def test_traps_are_told_where_they_occur(name):
+def test_traps_are_told_where_they_occur(name, monkeypatch):
+    stand_ins(monkeypatch)
     lines, what = TRAPS[name]
     said = [text for text in warnings(lines) if what in text]
     assert len(said) == 1

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import test_friction_in_lammps as in_lammps_oblique
 import test_two_grains_in_lammps as in_lammps
+from stand_ins import stand_ins
 
 import hardlimit as hl
 from conftest import slow
@@ -138,8 +139,9 @@ def description(text: str) -> object:
 
 
 @pytest.mark.parametrize("name", [name if name in FEW else slow(name) for name in SCRIPTS])
-def test_no_statement_is_dropped_in_silence(name):
+def test_no_statement_is_dropped_in_silence(name, monkeypatch):
     """What the reader takes from the script changes; so does the answer, in some of the changes drawn at random."""
+    stand_ins(monkeypatch)
     text = SCRIPTS[name]
     before = description(text)
     assert isinstance(before, Description), before

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from stand_ins import stand_ins
 from test_script_fuzz import DATA, NUMBER, mutants
 
 import hardlimit as hl
@@ -139,24 +140,6 @@ def test_an_added_statement_is_noticed_unless_it_changes_no_number(code, tmp_pat
 # --- answers ------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def quick(monkeypatch):
-    """Numbers of friction, which take long, are replaced by one that differs if anything does on which they depend."""
-
-    def stand_in(case, first, second, speed, dimension):
-        if case.friction.coefficient == 0.0 or case.friction.terms is None:
-            return {}
-        force = case.force(first, second, speed)
-        if isinstance(force, contacts.AdhesiveForce):
-            return {}
-        contact = contacts.friction.contact_of(case.friction.terms, force, (first, second), speed)
-        text = repr((contact, case.time_step, dimension))
-        return {"limit": "total", "stiffness_ratio": float(int.from_bytes(text.encode()) % 1000003)}
-
-    monkeypatch.setattr(contacts, "_friction", stand_in)
-    monkeypatch.setattr(checking, "CHOSEN_SPEEDS", (0.1,))
-
-
 def answer(text, folder):
     """The answer as JSON has it, without quotes of the script."""
     (folder / "script").write_text(text, encoding="utf-8")
@@ -167,8 +150,10 @@ def answer(text, folder):
 
 
 @pytest.mark.parametrize("name", [name if name in FEW[:2] else slow(name) for name in SCRIPTS])
-def test_what_is_taken_changes_the_answer(name, tmp_path, quick):
+def test_what_is_taken_changes_the_answer(name, tmp_path, monkeypatch):
     """Numbers of contacts, grains and time steps, of changes drawn at random."""
+    stand_ins(monkeypatch)
+    monkeypatch.setattr(checking, "CHOSEN_SPEEDS", (0.1,))
     text = copied(name, tmp_path)
     before, first = taken(text, tmp_path)[0], answer(text, tmp_path)
     numbers = r"timestep|O\.dt =|density|diameter|young|gravity «|gran(ular)? hooke|hertz"

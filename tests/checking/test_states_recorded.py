@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from stand_ins import stand_ins
 
 import hardlimit as hl
 from conftest import table
@@ -37,7 +38,9 @@ OVERLAPS = {
 def state(request):
     """The row of a script, and what is said of it with the dump of its grains at rest."""
     dump = None if "triaxial" in request.param else STATES / f"{request.param}.dump.gz"
-    verdict = hl.check(STATES / request.param, dump=dump, speed=0.1)
+    with pytest.MonkeyPatch.context() as patch:
+        stand_ins(patch)
+        verdict = hl.check(STATES / request.param, dump=dump, speed=0.1)
     assert not verdict.admissible
     return MEASURED[request.param], verdict.state
 

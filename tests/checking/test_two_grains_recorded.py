@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from stand_ins import stand_ins
 from test_reading_back import rows_and_back
 
 import hardlimit as hl
@@ -19,8 +20,9 @@ with (HERE.parent / "data/script_restitution.csv").open(encoding="utf-8") as fil
 
 
 @pytest.mark.parametrize("name", SCRIPTS)
-def test_restitution_is_that_in_the_code(name):
+def test_restitution_is_that_in_the_code(name, monkeypatch):
     """``convert_back`` has the same ε and contact time as ``check``, of all contacts of the script."""
+    stand_ins(monkeypatch)
     script, real = SCRIPTS[name], MEASURED[name]
     verdict = hl.check(script["text"], speed=script["speed"])
     row = next(row for row in verdict.rows if list(row.types) == script["types"])

@@ -190,7 +190,7 @@ def check_course(sentence: str, overlap: int, n: int) -> None:
         assert overlap == 0 and n > 0
 
 
-@draws(150)
+@draws(40)
 @given(scenarios)
 def test_the_sentence_agrees_with_the_numbers(column):
     comparison = hl.compare(column)
@@ -199,7 +199,7 @@ def test_the_sentence_agrees_with_the_numbers(column):
     check(comparison)
 
 
-@draws(400)
+@draws(150)
 @given(any_column())
 def test_a_second_definition_gives_the_same_verdict(column):
     """A comparison at one instant gives the same verdict as one at the same stage of the sequence, except for the

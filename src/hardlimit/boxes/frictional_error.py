@@ -293,17 +293,19 @@ def pressed_contacts(contact: Contact, speed: Floats, slide: Floats, push: float
     friction = contact.friction_terms
     assert friction is not None
     mass, step = contact.effective_mass, contact.duration(speed) / PRESSED_STEPS
-    depth, rate, lost, elastic = 1e-9 * step * speed, speed, np.zeros_like(speed), np.zeros_like(speed)
-    first = contact.force(depth, rate)
+    still = np.zeros_like(speed)
+    depth, rate, lost, elastic = 1e-9 * step * speed, speed, still, still
+    of_law = contact.core.force  # no value needs a check
+    first = of_law(depth, rate)
     for _ in range(PRESSED_STEPS + PRESSED_STEPS // 4):  # pressed contacts last longer
         half = rate + 0.5 * step * (push - first / mass)
         middle = np.maximum(depth + 0.5 * step * rate, 0.0)
-        force = contact.force(middle, half)
+        force = of_law(middle, half)
         further, slower = np.maximum(depth + step * half, 0.0), rate + step * (push - force / mass)
-        last = contact.force(further, slower)
+        last = of_law(further, slower)
         lasts = last > 0.0
         move, step = np.where(lasts, step, 0.0), np.where(lasts, step, 0.5 * step)
-        lost = lost + move * half * (force - contact.force(middle))
+        lost = lost + move * half * (force - of_law(middle, still))
         shrinking = np.where(rate > 0.0, friction.loading, friction.unloading)
         shrunk = np.where(lasts, further / depth, 1.0) ** (0.5 * shrinking)
         depth, rate, first = (
