@@ -114,8 +114,8 @@ export const warningRows: Row<Facts>[] = [
     "compressed",
     ({ newton: { run } }) => run.largestCompression >= SHALLOW && run.outcome !== outcomes.tooDeep,
     ({ newton: { run } }) =>
-      `An estimate: pressed in by ${digits(100 * run.largestCompression, 2)} % of a radius, laws are for less than ` +
-      `${inPercent(SHALLOW)}. Take stiffer or slower balls.`,
+      `An estimate: pressed in by ${digits(100 * run.largestCompression, 2)} % of a radius, laws hold below ` +
+      `${inPercent(SHALLOW)}: stiffen the balls.`,
     (f) => ({ compression: f.newton.run.largestCompression }),
   ],
 ];
