@@ -114,9 +114,8 @@ export const warningRows: Row<Facts>[] = [
     "compressed",
     ({ newton: { run } }) => run.largestCompression >= SHALLOW && run.outcome !== outcomes.tooDeep,
     ({ newton: { run } }) =>
-      `A contact is compressed by ${digits(100 * run.largestCompression, 2)} % of the smaller radius; ` +
-      `contact laws are meant for less than ${inPercent(SHALLOW)}, for balls that stay nearly round. ` +
-      "So these numbers are estimates; stiffer balls or slower ones are compressed less.",
+      `An estimate: pressed in by ${digits(100 * run.largestCompression, 2)} % of a radius, laws hold below ` +
+      `${inPercent(SHALLOW)}: stiffen the balls.`,
     (f) => ({ compression: f.newton.run.largestCompression }),
   ],
 ];
