@@ -62,9 +62,8 @@ def _slope(state: GrainState) -> str:
         return f"{deep} {fast} flows with I > {digits(low if math.isfinite(low) else flows.FASTEST, 2)}"
     regimes = " to ".join(dict.fromkeys((regime(low), regime(high))))
     numbers = f"I = {digits(low, 2)} to {digits(high, 2)}" if low else f"I up to {digits(high, 2)}, or rests"
-    return (
-        f"{deep} flows with {numbers} ({regimes}), on a flat one faster; it {rests}; --shear gives its own I"
-    )
+    flows_with = f"{deep} flows with {numbers} ({regimes}), on a flat one it may slide faster"
+    return f"{flows_with}; it {rests}; --shear gives its own I"
 
 
 def _drum(state: GrainState, plain: bool) -> str:
