@@ -17,8 +17,14 @@ export interface Facts {
 }
 
 // What a frame says of the present.
-export const present = ({ sample, done, atRest, worlds: [hard, newton] }: FrameOf) =>
-  ({ sample, done, atRest, hard: hard.observed, newton: newton.observed }) satisfies Partial<Facts>;
+type Present = Pick<Facts, "sample" | "done" | "atRest" | "hard" | "newton">;
+export const present = ({ sample, done, atRest, worlds: [hard, newton] }: FrameOf): Present => ({
+  sample,
+  done,
+  atRest,
+  hard: hard.observed,
+  newton: newton.observed,
+});
 
 export const measureOf = ({ start: { setting } }: Facts): Measure =>
   setting.restitution === 1 && setting.friction === 0 ? "contacts" : setting.gravity > 0 ? "loss" : "cooling";
