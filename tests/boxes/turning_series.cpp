@@ -49,7 +49,8 @@ Contact any_contact() {
     return {{normal, friction}, a};
 }
 
-// Hardly damped: the surfaces stick at touch, where the force jumps, slip after 2e-5 of the contact, and stick from .008 on.
+// Hardly damped: the surfaces stick at touch, where the force jumps, slip after 2e-5 of the contact, and stick again
+// after .008 of it.
 Contact that_slips_within_a_step() {
     FrictionTerms friction{
         .coefficient = 1.5, .stiffness = {25549108822.579277, 0}, .damping = {0.0787067251553, 0}};

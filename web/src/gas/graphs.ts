@@ -310,7 +310,8 @@ export function drawGraph(
   g.beginPath();
   g.rect(frame.left, frame.top, frame.width, frame.height);
   g.clip();
-  const across = (value: number): number => y.at(Math.max(value, y.low));
+  // A logarithmic axis has no place for 0.
+  const across = (value: number): number => y.at(y.log ? Math.max(value, y.low) : value);
   for (const { points, color } of plot.bands ?? []) {
     g.globalAlpha = 0.16;
     g.fillStyle = color;
@@ -342,7 +343,7 @@ export function drawGraph(
   named(g, plot, frame, theme, size, drawn);
 }
 
-// Legend in the corner with the fewest drawn points.
+// Legend in the corner with the fewest drawn points, which it covers.
 function named(
   g: CanvasRenderingContext2D,
   plot: Plot,
@@ -367,7 +368,14 @@ function named(
   const crossed = corners.map(
     ({ left, top }) => drawn.filter(([u, v]) => u > left && u < left + widest && v > top && v < top + height).length,
   );
-  const { left, top } = corners[crossed.indexOf(Math.min(...crossed))];
+  const fewest = Math.min(...crossed);
+  const { left, top } = corners[crossed.indexOf(fewest)];
+  if (fewest > 0) {
+    g.globalAlpha = 0.8;
+    g.fillStyle = theme.ground;
+    g.fillRect(left - 0.3 * size, top, widest + 0.6 * size, height);
+    g.globalAlpha = 1;
+  }
   curves.forEach(({ name, color, dash: pattern, width }, i) => {
     const at = top + (0.8 + 1.3 * i) * size;
     g.fillStyle = color;
