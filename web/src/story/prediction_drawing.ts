@@ -62,7 +62,8 @@ export function drawPrediction(
     ["icm", lane > 16 * size ? `Textbook: ${independent.label}` : "Textbook", t.icm],
   ];
   const release = releaseHeight(t.drop.scenario);
-  const label = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // the heights need the space
+  const [narrow, tight] = [lane < 21 * size, t.falling && lane < 16 * size]; // the balls or the heights need the space
+  const label = tight ? "" : `${narrow ? "" : "let go at "}${metres(release)}`;
   const level = floor - release * scale;
   // A mark of a height, with its number above, would cross the label.
   const crossed = t.reached.some((z) => Math.abs(floor - z * scale - level + 0.1 * size) < 1.7 * size);
