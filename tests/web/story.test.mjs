@@ -320,7 +320,7 @@ test("the story: curve and map belong to the setting", async (t) => {
   });
   assert.match(
     await page.textContent(".chapter[data-step=gap] .beside"),
-    /^Of these balls together we know no published heights as numbers; .* the tennis ball would come back to 0\.322 m to 0\.348 m, by the bounce that the rules of the ITF ask of it\. How high exactly is not known/,
+    /^We know no published heights of these balls together; .* the tennis ball would come back to 0\.322 m to 0\.348 m, by the bounce that the rules of the game \(ITF\) ask of it\. How high exactly is not known/,
   );
   await goTo(page, "map");
   await at(page, "map");

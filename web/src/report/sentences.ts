@@ -404,7 +404,7 @@ const floorRows: Row<ContactFacts>[] = [
     "two-at-once",
     (f) => two(f) && f.instant === 0,
     (f) =>
-      `${pushes(f)}; the collision model lets the balls meet at the very instant of the floor touch, the floor first.`,
+      `${pushes(f)}; the collision model lets the balls meet at the very instant of the floor touch, as the second collision.`,
     floorEnd,
   ],
   [
@@ -655,7 +655,7 @@ const restitutionRows: Row<StoryFacts>[] = [
     always,
     (t) =>
       `The coefficient of restitution ε is the share of its speed that a ball keeps in a collision with the ` +
-      `floor${statedAt(t)}: 1 loses nothing, 0 stays down. Here ε = ${restitution(t)}; move it.`,
+      `floor${statedAt(t)}: 1 loses nothing, 0 stays down. Here ε = ${restitution(t)}; move the slider.`,
     restitutionNumbers,
   ],
 ];
@@ -678,8 +678,8 @@ const leavesOut: Row<StoryFacts>[] = [
     (t) => overlapping(t) > 0 && meetsOnFloor(t),
     (t) =>
       `The textbook lets the ${lowName(t)} finish its bounce before the ${topName(t)} arrives. By Newton’s equations ` +
-      `the floor pushes the ${lowName(t)} while the balls touch: two contacts last at the same time, of which a rule ` +
-      "for one collision after the other knows nothing.",
+      `the floor pushes the ${lowName(t)} while the balls touch: two contacts last at the same time, which a rule ` +
+      "for one collision after the other cannot describe.",
   ],
   [
     "out-many",
@@ -747,7 +747,8 @@ const countRows: Row<StoryFacts>[] = [
 ];
 
 const changeGap = "Drag in the plot to change the gap.";
-const measured = `${changeGap} That balls dropped closer together rebound lower was measured with other balls in Bristol in 2015.`;
+const measured =
+  `${changeGap} Other balls, measured in Bristol in 2015, did the same: ` + "closer together they rebounded lower.";
 const touching = (t: StoryFacts): string => `Let go touching, the ${topName(t)} reaches ${metres(t.gaps!.touching)}`;
 const gap: Row<StoryFacts>[] = [
   [
@@ -775,7 +776,7 @@ const gap: Row<StoryFacts>[] = [
   ],
 ];
 
-const noHeights = "Of these balls together we know no published heights as numbers; your own can be loaded.";
+const noHeights = "We know no published heights of these balls together; your own can be loaded in the laboratory.";
 const experiment: Row<StoryFacts>[] = [
   [
     "alone",
@@ -784,7 +785,7 @@ const experiment: Row<StoryFacts>[] = [
       const { low, high, by } = alone(t)!;
       return (
         `${noHeights} Alone, the ${topName(t)} would come back to ${metres(low)} to ${metres(high)}, ` +
-        `by the bounce that the rules of the ${by} ask of it.`
+        `by the bounce that the rules of the game (${by}) ask of it.`
       );
     },
     (t) => ({ low: alone(t)!.low, high: alone(t)!.high }),
@@ -805,8 +806,8 @@ const colours: Row<StoryFacts>[] = [
     () =>
       "Event-driven simulation computes many grains as the textbook does two: one collision after the other. " +
       "Each point of the map is a drop with its own ε and gap. Its colour compares: the effective restitution ε_eff " +
-      "is the ε " +
-      "that would make the textbook’s balls part as Newton’s do. At ε_eff/ε = 1 the textbook is right. Choose points.",
+      "is the ε with which the textbook’s balls would separate as fast as Newton’s do. At ε_eff/ε = 1 the textbook " +
+      "is right. Choose points.",
   ],
 ];
 const map: Row<StoryFacts>[] = [
