@@ -141,6 +141,11 @@ def lone(column):
     if not math.isfinite(r.t_floor_end): return None
     leaves = r.trajectory(times=[r.t_floor_end]).velocity.values[0][0]
     return {"arrives": alone.impact_speed, "leaves": float(leaves), "end": r.t_floor_end}
+def meeting(r):
+    """Velocity of the lowest ball as balls first touch."""
+    pair, begin, _ = r.contact_times
+    first = begin[pair > 0]
+    return float(r.trajectory(times=[first.min()]).velocity.values[0][0]) if len(first) else None
 def column_of(text):
     path.write_text(text)
     return read(str(path))
@@ -167,6 +172,7 @@ for texts in json.load(sys.stdin):
     out["answer"], out["sentence"] = c.verdict
     out["overlapping"] = overlapping(c.newton)
     out["lone"] = lone(column)
+    out["meets"] = meeting(c.newton)
     out["restitution"] = column.contacts[0].restitution(getattr(column.laws[0], "impact_speed", 1.0))
     out["release"] = float(column.initial_positions[-1])
     print(json.dumps(out), flush=True)
@@ -429,6 +435,10 @@ const storyClaims = {
     const together = floor.begin <= first && first < Math.min(floor.end, between[0].end);
     return [pair(f) && followed(f.py) && together && f.py.overlapping > 0, {}];
   },
+  "out-slower": (f) => [
+    storyClaims["out-floor"](f)[0] && f.py.lone !== null && f.py.meets < f.py.lone.leaves,
+    { meets: f.py.meets, leaves: f.py.lone?.leaves },
+  ],
   "out-many": ({ py }) => [followed(py) && py.overlapping > 0, {}],
   "out-nothing": ({ py }) => [followed(py) && py.overlapping === 0, {}],
   "seen-floor": (f) => [storyClaims["out-floor"](f)[0], { contacts: f.py.newton.contacts }],

@@ -36,6 +36,7 @@ export interface Solved {
   peakForce: number[]; // [pair]
   compression: number[]; // [pair] largest [m]
   lone: LoneBall | null; // the lowest ball without the others; null: it stays on the floor, or there is none
+  meets: number; // velocity of the lowest ball, upwards, as balls first touch [m/s]; NaN: they do not
   band: [number, number] | null; // Newton's heights of the top ball for half and twice the stiffness, if unmeasured
   bottom: number; // extent of the true-scale picture along the line [m]
   top: number;
@@ -185,6 +186,7 @@ export function solve(
     peakForce: [],
     compression: [],
     lone,
+    meets: meetingOf(core, newton.run),
     band,
     bottom: 0,
     top: 0,
@@ -192,6 +194,11 @@ export function solve(
   sampleForces(core, solved, contacts);
   sampleFilm(core, solved);
   return solved;
+}
+
+function meetingOf(core: Core, { contacts }: Run): number {
+  const touch = contacts.reduce((a, { pair, begin }) => (pair > 0 ? Math.min(a, begin) : a), Infinity);
+  return touch < Infinity ? core.sample(Model.newton, Float64Array.of(touch))[0].velocity[0] : NaN;
 }
 
 const edges = (c: Contact, edge: number, last: number): number[] => {

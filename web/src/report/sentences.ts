@@ -688,6 +688,25 @@ const leavesOut: Row<StoryFacts>[] = [
   ],
   ["out-nothing", always, () => "No two contacts last at the same time here."],
 ];
+// How much slower the lower ball is when the upper one meets it.
+const slower: Row<StoryFacts>[] = [
+  [
+    "out-slower",
+    (t) => {
+      const { meets, lone } = t.drop;
+      return answered(t) && overlapping(t) > 0 && meetsOnFloor(t) && lone !== null && meets < 0.99 * lone.leaves;
+    },
+    (t) => {
+      const { meets, lone } = t.drop;
+      const way = meets < 0 ? "still moves down with" : "moves up with only";
+      return (
+        `When they first touch, the ${lowName(t)} ${way} ${speed(Math.abs(meets))}; alone it would leave the floor ` +
+        `with ${speed(lone!.leaves)}.`
+      );
+    },
+    ({ drop: { meets, lone } }) => ({ meets, leaves: lone!.leaves }),
+  ],
+];
 const forceRows: Row<StoryFacts>[] = [
   [
     "forces-cradle",
@@ -924,7 +943,7 @@ const chapters: Record<Step, (t: StoryFacts) => Sentence[][]> = {
   slow: (t) => [
     [...allOf(lone, t), chosen(restitutionRows, t)!],
     t.report.why, // the report's reasons
-    [chosen(leavesOut, t)!, chosen(forceRows, t)!],
+    [chosen(leavesOut, t)!, ...allOf(slower, t), chosen(forceRows, t)!],
   ],
   count: (t) => [
     [
