@@ -133,8 +133,8 @@ test("it plays after a change; the starts are those of the link", async (t) => {
   await settled(page);
   await page.focus("#restitution");
   await page.keyboard.press("ArrowLeft");
+  await page.waitForFunction(() => document.getElementById("play").textContent === "Pause");
   await page.waitForFunction(() => window.hardlimit.report()?.samples.length > 5);
-  assert.equal(await page.textContent("#play"), "Pause");
   await started(page, 8);
   const { starts, setting } = await report(page);
   assert.deepEqual(
