@@ -1,5 +1,5 @@
-// Debian's Chromium for tests. The one without windows of its own takes two thirds of the time of the other.
-// CHROMIUM: another one.
+// Starts Debian's Chromium for tests: its headless shell, which takes two thirds of the time, or the browser. The
+// environment variable CHROMIUM names another program.
 import { existsSync } from "node:fs";
 import { chromium } from "playwright-core";
 

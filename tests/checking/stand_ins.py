@@ -1,4 +1,4 @@
-"""What stands for the numbers of friction in tests that ask for others."""
+"""A stand-in for the numbers of friction, for tests that ask for something else."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from hardlimit.checking import contacts
 
 
 def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Numbers of friction, which take long, are replaced by one that differs if anything does on which they depend."""
+    """Replace the numbers of friction, which take long, by one that changes with everything they depend on."""
 
     def stand_in(case, first, second, speed, dimension):
         if case.friction.coefficient == 0.0 or case.friction.terms is None:
