@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ..support.formatting import digits, length, percent, quantity
 from . import flows
 from .answer import stiffness
-from .at_rest import COLLISIONAL, LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState, regime
+from .at_rest import COLLISIONAL, LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
 from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
@@ -60,9 +60,8 @@ def _slope(state: GrainState) -> str:
     if not math.isfinite(high):
         fast = "gets faster and faster, or" if not math.isfinite(low) else "may get faster and faster, or"
         return f"{deep} {fast} flows with I > {digits(low if math.isfinite(low) else flows.FASTEST, 2)}"
-    regimes = " to ".join(dict.fromkeys((regime(low), regime(high))))
     numbers = f"I = {digits(low, 2)} to {digits(high, 2)}" if low else f"I up to {digits(high, 2)}, or rests"
-    flows_with = f"{deep} flows with {numbers} ({regimes}), on a flat one it may slide faster"
+    flows_with = f"{deep} flows with {numbers}, on a flat one it may slide faster"
     return f"{flows_with}; it {rests}; --shear gives its own I"
 
 
