@@ -349,6 +349,60 @@ def test_the_number_of_grains_gives_the_weight():
     assert not state(bed, height=1.0).pressure_is_bound
 
 
+def plane(name, *ends):
+    return WALL.replace("floor", name).replace("zplane 0 1", " ".join(map(str, ends)))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_weight_on_the_floor_of_a_container(seed):
+    """N m g cos θ/A; at most that between side walls, also in a cylinder or over grains that do not move."""
+    random = np.random.default_rng(seed)
+    across, angle = random.uniform(0.1, 1.0, 2), random.uniform(0.0, 45.0)
+    count, gravity = int(random.integers(1000, 10**6)), random.uniform(1.0, 20.0)
+    fall = f"fix g all gravity {gravity} vector 0 0 -1"
+    slope = fall.replace("vector 0 0 -1", f"chute {angle}")
+    weight, area = count * BEAD.mass * gravity, float(np.prod(across))
+    radius = random.uniform(0.1, 0.5)
+    x, y = (plane(axis, f"{axis}plane", 0, end) for axis, end in zip("xy", across, strict=True))
+    tube = plane("tube", "zcylinder", radius)
+    region = f"region walls block 0 {across[0]} 0 {across[1]} 0 1 side in\n" + plane(
+        "sides", "region", "walls"
+    )
+
+    def bed(boundary, *lines, base=""):
+        text = script(CLIPPED, WALL, *lines).replace("random 100", f"random {count}")
+        if base:
+            text = text.replace("create_box 1", "create_box 2").replace("set type 1 ", "set type 1*2 ")
+            text = text.replace("7 box\n", f"7 box\n{base}\n", 1)
+        text = text.replace("block 0 1 0 1 0 1", f"block 0 {across[0]} 0 {across[1]} 0 1", 1)
+        return state(text.replace("boundary p p p", f"boundary {boundary}"))
+
+    for boundary, lines, pressure, bound in [
+        ("p p f", (fall,), weight / area, False),
+        ("p p f", (slope,), weight / area * math.cos(math.radians(angle)), False),
+        ("f f f", (fall, x, y), weight / area, True),
+        ("p f f", (slope, y), weight / area * math.cos(math.radians(angle)), True),
+        ("f f f", (fall, region), weight / area, True),
+        ("f f f", (fall, tube), weight / (math.pi * radius**2), True),
+    ]:
+        found = bed(boundary, *lines)
+        assert found.pressure == pytest.approx(pressure), lines
+        assert found.pressure_is_bound is bound
+    # A slope that ends at walls, two tubes, a partition, and no side walls: the floor is not known.
+    inner = plane("inner", "zcylinder", 0.5 * radius)
+    middle = plane("middle", "xplane", 0.5 * across[0], "NULL")
+    for lines in (slope, x, y), (fall, tube, inner), (fall, x, y, middle), (fall, x):
+        pressure = bed("f f f", *lines).pressure
+        assert pressure is None or pressure == pytest.approx(0.63 * 2500.0 * gravity, rel=0.01)
+    # Grains that do not move do not press, but may carry.
+    base = bed(
+        "p p f", fall, "group base type 2\nfix hold base freeze", base="create_atoms 2 random 500 3 box"
+    )
+    assert base.pressure == pytest.approx(weight / area) and not base.pressure_is_bound
+    low = "region low block 0 1 0 1 0 0.1\ngroup low region low\nfix hold low freeze"
+    assert bed("p p f", fall, low).pressure_is_bound
+
+
 def test_a_dump_has_the_weight(tmp_path):
     """Four layers of four touching grains in a periodic box: N m g/A, and their contacts."""
     path = tmp_path / "dump.bed"

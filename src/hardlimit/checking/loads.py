@@ -147,19 +147,18 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
         return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": "as the script says"}
-    gravity = stage.gravity
-    if gravity is None:
+    if stage.gravity is None:
         return {}
+    gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope
     kinds = _kinds(stage, around)
     if options.height is None and around.bed is not None:
         origin = f"below {around.length(around.bed.height)} of grains"
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
     density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
-    floor = stage.floor or contents.floor
-    if options.height is None and density is not None and contents.filled and floor:
+    if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
-        pressure = weight(contents.filled / floor, density, gravity)
+        pressure = weight(contents.filled / contents.floor, density, gravity)
         origin = f"below {count} on the floor of the box"
         return {"pressure": pressure, "origin": origin, "weight": True, "bound": contents.walled}
     edge = _height(stage) or contents.height

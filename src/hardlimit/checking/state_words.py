@@ -103,7 +103,9 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     kappa = state.stiffness_number
     if kappa is None or state.regime == "collisional":
         return text
-    text += f": κ_p{least} {digits(kappa, 2)}, overlap {most}{percent(state.overlap or 0.0)} of R"
+    overlap = percent(state.overlap or 0.0)
+    overlap = overlap if overlap.startswith("less than") else f"{most}{overlap}"
+    text += f": κ_p{least} {digits(kappa, 2)}, overlap {overlap} of R"
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
     value = f"{digits(state.stiffness_for_rigid, 2)} {state.stiffness_unit or ''}".rstrip()

@@ -236,8 +236,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
-    say_first(friction_lines(groups, verdict), MAX_ROWS, "contacts with friction", verbose)
-    say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, "warnings", verbose)
+    say_first(friction_lines(groups, verdict), MAX_ROWS, verbose)
+    say_first(list(warnings(verdict.warnings, verbose)), MAX_FINDINGS, verbose)
     if remarks := [*map(str, verdict.inferred), *verdict.remarks]:
         say(" ".join(remarks))
     if verbose:
@@ -254,13 +254,13 @@ def report(verdict: Verdict, verbose: bool) -> None:
         click.echo(f"  {line}")
 
 
-def say_first(paragraphs: Sequence[str], most: int, what: str, verbose: bool) -> None:
+def say_first(paragraphs: Sequence[str], most: int, verbose: bool) -> None:
     """Print the first paragraphs, or all."""
     few = paragraphs if verbose else paragraphs[:most]
     for paragraph in few:
         say(paragraph)
     if len(few) < len(paragraphs):
-        say(f"… and {len(paragraphs) - len(few)} more {what}: --verbose")
+        say(f"… and {len(paragraphs) - len(few)} more: --verbose")
 
 
 def friction_lines(groups: Sequence[list[CheckedContact]], verdict: Verdict) -> list[str]:

@@ -47,7 +47,6 @@ def settings_of(stage: Stage) -> Any:
         "units_given": True,
         "system": 0,
         "edges": (),
-        "floor": None,
     }
     return plain(replace(stage, **same, contents=NOTHING))
 

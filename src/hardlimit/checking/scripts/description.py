@@ -93,12 +93,12 @@ class Lot(NamedTuple):
 class Contents:
     """What a script says of the grains in its box. None: it does not."""
 
-    count: float | None = None  #: number of grains
+    count: float | None = None  #: number of grains that move
     filled: float | None = None  #: their volume, in two dimensions their area
     volume: float | None = None  #: of the box
     speeds: tuple[Speed, ...] = ()
-    floor: float | None = None  #: area on which they lie
-    walled: bool = False  #: whether side walls, which may carry a part of the weight, are around it
+    floor: float | None = None  #: area on which they lie, in two dimensions its width
+    walled: bool = False  #: whether side walls or grains that do not move may carry a part of the weight
     height: float | None = None  #: that no bed of these grains exceeds
     height_from: str = ""  #: where this comes from, in words
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
@@ -167,9 +167,6 @@ class Stage:
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
     pressure: float | None = None  #: that is prescribed: the mean over the axes
     edges: tuple[float | None, ...] = (None, None, None)  #: of the box
-    floor: float | None = (
-        None  #: area across gravity of a box that is periodic there; in two dimensions its edge
-    )
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear
     bath: tuple[float, float] | None = (

@@ -31,6 +31,8 @@ PLANES: Final = ("xplane", "yplane", "zplane")
 REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6}
 #: Cosine of the angle up to which gravity counts as along an axis.
 ALONG: Final = 1.0 - 1e-6
+#: Largest component of the direction of gravity along an axis that counts as level.
+LEVEL: Final = 1e-9
 
 
 class Insertion(NamedTuple):
@@ -351,11 +353,15 @@ def contents(state: State, stage: Stage) -> Contents:
     filling = state.filling
     heat = filling.heat if overlap_free(filling, stage) else [overlapping(speed) for speed in filling.heat]
     stated = (*heat, *drift(state, stage)) if filling.velocities_known else ()
+    floor, walled = floor_of(state, stage)
+    moving = replace(filling.census, lots=[lot for lot in filling.census.lots if not state.frozen(lot.kind)])
     return Contents(
-        count=filling.census.count,
-        filled=filling.census.filled(state.dimension),
+        count=moving.count,
+        filled=moving.filled(state.dimension),
         volume=volume(state),
         speeds=(*stated, *falls(state, stage)),
+        floor=floor,
+        walled=walled or any(kind.partly_frozen for kind in stage.grains.values()),
         lots=filling.census.known,
     )
 
@@ -392,30 +398,69 @@ def planes(state: State) -> dict[int, list[float]]:
     return known
 
 
-def cylinder(state: State) -> tuple[int, float] | None:
-    """The axis and the radius of a wall that is a cylinder."""
+def cylinders(state: State) -> list[tuple[int, float]]:
+    """The axes and the radii of the walls that are cylinders; NaN: not known."""
+    known = []
     for fix in state.fixes.values():
         for k, axis in enumerate(AXES):
             shape = f"{axis}cylinder"
             if fix.style.startswith("wall/gran") and shape in fix.words[:-1]:
                 radius = state.coefficient(fix.words[fix.words.index(shape) + 1])
-                return None if radius is None else (k, radius)
-    return None
+                known.append((k, math.nan if radius is None else radius))
+    return known
 
 
-def volume(state: State) -> float | None:
-    """Volume of the box, in two dimensions its area: between its periodic ends or plane walls, or in a cylinder."""
-    walls, round_wall = planes(state), cylinder(state)
-    across = [] if round_wall is None else [k for k in range(3) if k != round_wall[0]]
-    sizes = [math.pi * round_wall[1] ** 2] if round_wall is not None else []
-    for k in range(state.dimension):
+def extent(state: State, axes: Sequence[int]) -> float | None:
+    """Product of the edges of the box along these axes: between periodic ends or plane walls, or in one cylinder."""
+    walls, round_walls = planes(state), cylinders(state)
+    if len(round_walls) > 1:
+        return None
+    sizes, across = [], set[int]()
+    for along, radius in round_walls:
+        across = {k for k in range(3) if k != along}
+        if not across <= {*axes}:
+            return None
+        sizes.append(math.pi * radius**2)
+    for k in axes:
         if k in across:
             continue
         ends = state.filling.box.get(k) if state.filling.periodic(k) else walls.get(k)
-        if ends is None or len(set(ends)) < 2 or not all(map(math.isfinite, ends)):
+        if ends is None or len(set(ends)) != 2:
             return None
         sizes.append(max(ends) - min(ends))
-    return math.prod(sizes)
+    size = math.prod(sizes)
+    return size if math.isfinite(size) else None
+
+
+def volume(state: State) -> float | None:
+    """Volume of the box, in two dimensions its area."""
+    return extent(state, range(state.dimension))
+
+
+def floor_of(state: State, stage: Stage) -> tuple[float | None, bool]:
+    """The area across the axis nearest to gravity, and whether side walls are around it.
+
+    It is not known if a side wall has another shape, or stands where a slope ends.
+    """
+    down = stage.down
+    if down is None:
+        return None, False
+    axis = max(range(state.dimension), key=lambda k: abs(down[k]))
+    across = [k for k in range(state.dimension) if k != axis]
+    closed = [k for k in across if not state.filling.periodic(k)]
+    walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
+    others = [fix for fix in walls if not has_known_shape(state, fix)]
+    if any(abs(down[k]) > LEVEL for k in closed) or (closed and others):
+        return None, False
+    return extent(state, across), bool(closed or cylinders(state))
+
+
+def has_known_shape(state: State, wall: Fix) -> bool:
+    """Whether a wall is made of planes, or is a cylinder."""
+    at = wall.words.index("region") + 1 if "region" in wall.words[:-1] else 0
+    region = state.filling.regions.get(wall.words[at]) if at else None
+    round_or_plane = {*PLANES, *(f"{axis}cylinder" for axis in AXES)}
+    return bool(region and region[0] == "block") or not round_or_plane.isdisjoint(wall.words)
 
 
 def falls(state: State, stage: Stage) -> Iterator[Speed]:

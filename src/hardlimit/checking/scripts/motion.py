@@ -101,15 +101,6 @@ def _pressures(state: State, fix: Fix) -> list[float | None]:
     return [state.coefficient(word) for word in ends]
 
 
-def floor(state: State) -> float | None:
-    """Area of the box across gravity if it is periodic there: walls may leave less."""
-    down = state.down()
-    across = [k for k in range(state.dimension) if down is None or abs(down[k]) < 1e-9]
-    sides = [state.edges.get(AXES[k]) for k in across if state.filling.periodic(k)]
-    known = [side for side in sides if side is not None]
-    return math.prod(known) if len(known) == len(across) == state.dimension - 1 else None
-
-
 def measured(state: State, words: Sequence[str]) -> bool:
     """Whether a wall stands where a variable that depends on measured forces says."""
     known = state.variables.known

@@ -686,7 +686,6 @@ class State:
             pressed=pressed,
             pressure=motion.pressure(self),
             edges=tuple(self.edges.get(axis) for axis in motion.AXES),
-            floor=motion.floor(self),
             driven=driven,
             shear_rate=shear_rate,
             bath=bath,
