@@ -358,7 +358,7 @@ def test_the_weight_on_the_floor_of_a_container(seed):
     """N m g cos θ/A; at most that between side walls, also in a cylinder or over grains that do not move."""
     random = np.random.default_rng(seed)
     across, angle = random.uniform(0.1, 1.0, 2), random.uniform(0.0, 45.0)
-    count, gravity = int(random.integers(1000, 10**6)), random.uniform(1.0, 20.0)
+    count, gravity = int(random.integers(3 * 10**5, 10**6)), random.uniform(1.0, 20.0)
     fall = f"fix g all gravity {gravity} vector 0 0 -1"
     slope = fall.replace("vector 0 0 -1", f"chute {angle}")
     weight, area = count * BEAD.mass * gravity, float(np.prod(across))
@@ -369,7 +369,7 @@ def test_the_weight_on_the_floor_of_a_container(seed):
         "sides", "region", "walls"
     )
 
-    def bed(boundary, *lines, base=""):
+    def bed(boundary, *lines, base="", count=count):
         text = script(CLIPPED, WALL, *lines).replace("random 100", f"random {count}")
         if base:
             text = text.replace("create_box 1", "create_box 2").replace("set type 1 ", "set type 1*2 ")
@@ -394,6 +394,7 @@ def test_the_weight_on_the_floor_of_a_container(seed):
     for lines in (slope, x, y), (fall, tube, inner), (fall, x, y, middle), (fall, x):
         pressure = bed("f f f", *lines).pressure
         assert pressure is None or pressure == pytest.approx(0.63 * 2500.0 * gravity, rel=0.01)
+    assert bed("p p f", fall, count=1000).pressure is None  # less than a layer
     # Grains that do not move do not press, but may carry.
     base = bed(
         "p p f", fall, "group base type 2\nfix hold base freeze", base="create_atoms 2 random 500 3 box"

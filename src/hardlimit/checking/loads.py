@@ -18,12 +18,14 @@ from .at_rest import PACKINGS, PRESSED, Load, Packing, weight
 from .contacts import Case
 from .drive import Support
 from .scripts import Stage
-from .scripts.description import WALL
+from .scripts.description import WALL, Contents
 from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
+#: Volume of one layer of spheres over that of a box of their height.
+LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
 LEAST: Final = 2.0
 #: Cosine of the angle up to which gravity is along an axis.
@@ -156,6 +158,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
     density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
+    if options.height is None and _less_than_a_layer(contents, around.dimension):
+        return {}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
         pressure = weight(contents.filled / contents.floor, density, gravity)
@@ -172,6 +176,14 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         origin = f"{around.length(height)} {contents.height_from}, at φ = {digits(phi, 2)}"
     pressure = weight(height, phi * density, gravity)
     return {"pressure": pressure, "origin": origin, "weight": True, "bound": bound}
+
+
+def _less_than_a_layer(contents: Contents, dimension: int) -> bool:
+    """Whether grains are too few to cover the floor."""
+    if not (contents.count and contents.filled and contents.floor):
+        return False
+    radius: float = (contents.filled / contents.count / UNIT_BALL[dimension]) ** (1.0 / dimension)
+    return contents.filled < LAYER * 2.0 * radius * contents.floor
 
 
 def _height(stage: Stage) -> float | None:

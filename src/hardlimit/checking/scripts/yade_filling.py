@@ -14,8 +14,6 @@ from .description import Contents, Direction, Lot, Range, Speed, Stage
 from .python import Instance, flat
 from .yade_container import Container, Ends, axis_of, box_around, is_number, vector
 
-#: Volume of one layer of spheres over that of a box of their height.
-LAYER: Final = 0.6
 #: Fewest spheres in one stack that are taken as a bed.
 PILE: Final = 10
 #: Porosity of ``makeCloud`` by default, and from which on it makes no spheres smaller.
@@ -56,8 +54,6 @@ class YadeFilling:
         source = "from the floor to where spheres are made"
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
-            if floor is not None and contents.filled < LAYER * diameter * floor:
-                return contents
             if contents.count * diameter < height and contents.count < PILE:
                 return contents
             if contents.count * diameter < height:
