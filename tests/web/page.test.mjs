@@ -22,7 +22,6 @@ after(async () => {
 // The paper's Fig. 2 unless the link names another example.
 const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, options);
 
-const plain = { maps: false };
 // Waits until the page has drawn this number of frames after the last solution.
 const settled = (page, frames = 2) =>
   page.evaluate(
@@ -149,7 +148,7 @@ test("the balls are drawn before any text, from the answer of the worker that ha
 });
 
 test("numbers of every example are Python's", async (t) => {
-  const page = await open(t, "?example=fig2", plain);
+  const page = await open(t, "?example=fig2");
   const examples = await page.$$eval("#preset option", (list) => list.map((x) => x.value).filter(Boolean));
   assert.ok(examples.length >= 10);
   const shown = [];
@@ -173,7 +172,7 @@ test("numbers of every example are Python's", async (t) => {
 });
 
 test("every control moves the result and is in the link", async (t) => {
-  const page = await open(t, "?example=fig2", plain);
+  const page = await open(t, "?example=fig2");
   for (const setup of ["", "?law=viscoelastic", "?law=tsuji", "?example=astro", "?example=cradle"]) {
     if (setup) await visit(page, setup);
     const ids = await page.$$eval("#controls input[type=range]", (list) => list.map((x) => x.id));
@@ -218,7 +217,7 @@ test("every control moves the result and is in the link", async (t) => {
 });
 
 test("an answer leaves what is being typed, and a refused entry", async (t) => {
-  const page = await open(t, "?example=fig2", plain);
+  const page = await open(t, "?example=fig2");
   const answer = async (id) => {
     const before = await page.evaluate(() => document.documentElement.dataset.numbers);
     await page.evaluate((id) => {
@@ -261,7 +260,7 @@ test("a slider follows the mouse to where it is let go, on an example too", asyn
 });
 
 test("after a slider has moved, every text is that of the last answer", async (t) => {
-  const page = await open(t, "?example=basketball", plain);
+  const page = await open(t, "?example=basketball");
   await page.evaluate(async () => {
     for (const [id, range] of [
       ["restitution", [0.3, 0.9]],
@@ -310,7 +309,7 @@ test("after a slider has moved, every text is that of the last answer", async (t
 });
 
 test("a link reproduces the view", async (t) => {
-  const page = await open(t, "?example=basketball");
+  const page = await open(t, "?example=basketball", { maps: true });
   await page.selectOption("#map-axis", "ratio");
   await page.selectOption("#map-show", "effective");
   await page.click("#zoom-in");
@@ -328,7 +327,7 @@ test("a link reproduces the view", async (t) => {
       document.getElementById("map-axis").value,
       document.getElementById("slow").ariaPressed,
     ]);
-  const other = await open(t, new URL(link).search);
+  const other = await open(t, new URL(link).search, { maps: true });
   await settled(other);
   assert.deepEqual(await look(other), await look(page));
   await mapDone(page);
@@ -340,8 +339,8 @@ test("a link reproduces the view", async (t) => {
 
 test("the map is the same whichever worker answers first", async (t) => {
   const pictures = [];
-  for (const late of [-1, 0, 1]) {
-    const page = await open(t, "?example=fig2&panel=numbers");
+  for (const late of [0, 1]) {
+    const page = await open(t, "?example=fig2&panel=numbers", { maps: true });
     await page.addInitScript((late) => {
       let created = 0;
       globalThis.Worker = class extends Worker {
@@ -368,7 +367,6 @@ test("bad parameters are clamped and said", async (t) => {
   const page = await open(
     t,
     "?e=7&k=abc&gap=-3&r=1e9,0.01&rho=840,840&h=1e99&law=jelly&zoom=3,2,1&t=x&map=%3Cscript%3E&example=none&n=%00",
-    plain,
   );
   const note = await page.textContent("#notes");
   for (const text of [
@@ -460,7 +458,7 @@ test("film: plays, slows, steps, is tied to the cursor", async (t) => {
 });
 
 test("timeline chooses ε, map chooses and zooms", async (t) => {
-  const page = await open(t);
+  const page = await open(t, "?example=fig2", { maps: true });
   await page.locator("#timeline").scrollIntoViewIfNeeded();
   await page.waitForSelector("#timeline[data-computed=true]");
   const line = await page.locator("#timeline").boundingBox();
@@ -490,7 +488,6 @@ test("timeline chooses ε, map chooses and zooms", async (t) => {
     const before = new URL(page.url()).searchParams.get("zoom");
     await act();
     await page.waitForFunction((x) => new URLSearchParams(location.search).get("zoom") !== x, before);
-    await mapDone(page);
   };
   await zoomed(async () => {
     await page.keyboard.down("Shift");
@@ -507,6 +504,7 @@ test("timeline chooses ε, map chooses and zooms", async (t) => {
   await zoomed(() => page.mouse.wheel(0, 200));
   await zoomed(() => page.click("#zoom-out"));
   await zoomed(() => page.click("#zoom-all"));
+  await mapDone(page);
   assert.equal(new URL(page.url()).searchParams.get("zoom"), null);
   await page.focus("#map");
   const before = await page.inputValue("#gap1-value");
@@ -532,7 +530,7 @@ test("exports", async (t) => {
 });
 
 test("keyboard alone reaches and works everything", async (t) => {
-  const page = await open(t, "?example=fig2", plain);
+  const page = await open(t, "?example=fig2");
   const reached = new Set();
   for (let i = 0; i < 120; i++) {
     await page.keyboard.press("Tab");
@@ -559,7 +557,7 @@ for (const [name, options] of Object.entries({
   phone: { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
 }))
   test(`accessible: ${name}`, async (t) => {
-    const page = await open(t, "?t=0.00021", { maps: !!shots, ...options });
+    const page = await open(t, "?t=0.00021", options);
     await accessible(page, name);
     if (shots) await mapDone(page);
     await shoot(page, name, { fullPage: true });
@@ -571,7 +569,7 @@ for (const [name, options] of Object.entries({
   });
 
 test("touch: a tap chooses in the map", async (t) => {
-  const page = await open(t, "?example=fig2", phone);
+  const page = await open(t, "?example=fig2", { maps: true, ...phone });
   await page.locator("#map").scrollIntoViewIfNeeded();
   await page.waitForSelector("#map[data-resolution]");
   const box = await page.locator("#map").boundingBox();

@@ -12,7 +12,7 @@ const mostEach = 1000 / 60 / 1.5; // ms of processor time for a frame
 let site;
 before(async () => void (site = await Site.begin()));
 after(() => site?.end());
-const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, options);
+const open = (t, query = "?example=fig2", options = {}) => site.open(t, query, { maps: true, ...options });
 
 // Processor times during `act` [ms]: of each task of the page's thread, in descending order, and of all workers
 // together.
