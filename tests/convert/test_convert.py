@@ -109,7 +109,7 @@ def test_damping_and_restitution_are_inverse(powers, attracts):
     st.floats(0.05, 20.0),
     st.booleans(),
 )
-@draws(400)
+@draws(200)
 def test_cohesion_takes_no_energy_and_keeps_slow_bodies(powers, restitution, share, ratio, speed, attracts):
     """Without damping ε is 1; with damping it is less than without cohesion. The attraction is that of the area."""
     area = ContactArea("sjkr", 1.0, ratio)

@@ -98,7 +98,7 @@ def test_one_short_run_agrees_with_many(sheared):
         else {"thermostat": hl.RandomKicks(0.24, 1.3e-4, seed=1)}
     )
     runs = []
-    for seed in range(120):
+    for seed in range(60):
         gas = hl.ParticleSystem.random(60, 0.3 if sheared else 0.15, 1e-3, 2500.0, 1.0, seed=seed, **options)
         if not sheared:
             gas = gas.replace(thermostat=hl.RandomKicks(0.24, 1.3e-4, seed=seed))

@@ -120,7 +120,7 @@ def environment(packages: Path) -> dict[str, str]:
         "PIP_NO_BUILD_ISOLATION": "0",  # pip reads a false value as "without isolation"
         # Halves the compile time and does not affect the test.
         "SKBUILD_CMAKE_BUILD_TYPE": "None",
-        "CXXFLAGS": "-O1",
+        "CXXFLAGS": "-O0",
     }
     return os.environ | changed
 

@@ -81,7 +81,7 @@ def check_against_scalar(
 
 
 @pytest.mark.parametrize("model", ["newton", "adiabatic"])
-@pytest.mark.parametrize("seed", [*range(8), *(slow(seed) for seed in range(8, 60))])
+@pytest.mark.parametrize("seed", [*range(8), *(slow(seed) for seed in range(8, 30))])
 def test_any_masses_and_stiffnesses(model: str, seed: int) -> None:
     """Either contact may be the stiffer one, and either ball the heavier, by many orders of magnitude."""
     random = np.random.default_rng(seed)

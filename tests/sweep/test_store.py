@@ -192,7 +192,7 @@ KILLED_AT_EVERY_STEP = """
     def count(event, args):
         global steps
         inside = [a for a in args if isinstance(a, (str, Path)) and str(a).startswith(str(folder))]
-        if limit is not None and inside and event.startswith({events!r}):
+        if limit is not None and inside:
             steps += 1
             if steps == limit:
                 os.kill(os.getpid(), signal.SIGKILL)
@@ -222,14 +222,13 @@ KILLED_AT_EVERY_STEP = """
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.parametrize("events", ["os.rename", ""], ids=["renames", "all"])
 @pytest.mark.slow
-def test_killed_at_every_step_it_ends_with_the_same_bytes(tmp_path: Path, events: str) -> None:
+def test_killed_at_every_step_it_ends_with_the_same_bytes(tmp_path: Path) -> None:
     """SIGKILL before each file access in turn, again while resuming, then a run to the end."""
-    script = KILLED_AT_EVERY_STEP.format(tests=TESTS, folder=str(tmp_path), events=events)
+    script = KILLED_AT_EVERY_STEP.format(tests=TESTS, folder=str(tmp_path))
     done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert int(done.stdout) > (10 if events else 50)
+    assert int(done.stdout) > 50
 
 
 SLOW_SWEEP = """

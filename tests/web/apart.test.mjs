@@ -17,7 +17,7 @@ async function offline(page) {
 }
 
 test("the laboratory works without network once it is loaded", async (t) => {
-  const page = await site.open(t);
+  const page = await site.open(t, "", { maps: true });
   await page.waitForSelector("#map[data-resolution]");
   const requests = await offline(page);
   await page.selectOption("#map-axis", "ratio");
@@ -131,7 +131,7 @@ for (const [name, query, ready] of pages.slice(1))
 
 for (const [name, query, ready] of pages)
   test(`${name}: a dark page is printed light, and is dark again`, async (t) => {
-    const page = await site.open(t, query, { ready, colorScheme: "dark" });
+    const page = await site.open(t, query, { ready, maps: true, colorScheme: "dark" });
     const theme = () =>
       page.evaluate(() => [document.documentElement.dataset.theme, getComputedStyle(document.body).color]);
     assert.deepEqual(await theme(), ["dark", "rgb(238, 240, 243)"]);
@@ -238,7 +238,7 @@ test("tables, sliders and buttons fit into their panels", async (t) => {
 });
 
 test("story: what the reader has not come to is printed too, each drawing in its place", async (t) => {
-  const page = await site.open(t, "?page=story", { colorScheme: "dark" });
+  const page = await site.open(t, "?page=story", { maps: true, colorScheme: "dark" });
   const printed = (page) =>
     page.evaluate(() => {
       dispatchEvent(new Event("beforeprint"));

@@ -25,7 +25,7 @@ function answerLate(most) {
   };
 }
 
-// Maps without values, at once: for tests that look at other things, because each change would compute a map anew.
+// Maps without values, at once: most tests look at other things, and each change would compute a map anew.
 function answerWithoutMaps() {
   const { postMessage } = Worker.prototype;
   Worker.prototype.postMessage = function (message, ...more) {
@@ -73,7 +73,7 @@ export class Site {
   }
 
   // Opens a page. Warnings in the console and requests to other servers fail the test. `maps`: computed or not.
-  async open(t, query = "", { ready = solved, maps = true, ...options } = {}) {
+  async open(t, query = "", { ready = solved, maps = !!process.env.SHOTS, ...options } = {}) {
     const context = await this.browser.newContext({
       viewport: { width: 1440, height: 900 },
       reducedMotion: "reduce",

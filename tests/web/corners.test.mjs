@@ -110,7 +110,7 @@ async function fingers(page, id, ...path) {
 }
 
 test("after a tap fingers drag the timeline, and move and pinch the map", async (t) => {
-  const page = await open(t, "?example=fig2", phone);
+  const page = await open(t, "?example=fig2", { maps: true, ...phone });
   const epsilon = async () => Number(await page.inputValue("#restitution-value"));
   await page.locator("#timeline").evaluate((e) => e.scrollIntoView({ block: "center" }));
   await page.locator("#timeline").tap({ position: { x: 200, y: 150 } });
@@ -249,7 +249,7 @@ test("undo after the browser's Back goes to the setting that Back has shown", as
 });
 
 test("maps of several balls say how far they are, and how long they took", async (t) => {
-  const page = await open(t, "?example=astro");
+  const page = await open(t, "?example=astro", { maps: true });
   await page.waitForFunction(() => /\d+ % computed/.test(document.getElementById("map-state").textContent));
   await page.waitForFunction(() => /points in [\d.]+ s/.test(document.getElementById("map-state").textContent), null, {
     timeout: 120_000,
@@ -259,7 +259,7 @@ test("maps of several balls say how far they are, and how long they took", async
 // ---- map, history, entries ----------------------------------------------------------------------------------
 
 test("the map: its reading is the point's, the wheel zooms and a drag moves without choosing", async (t) => {
-  const page = await open(t, "?example=fig2&map=gap&show=effective");
+  const page = await open(t, "?example=fig2&map=gap&show=effective", { maps: true });
   assert.doesNotMatch(await page.locator(".hint:has(#map-reading)").innerText(), /^·/);
   await page.locator("#map").scrollIntoViewIfNeeded();
   const box = await page.locator("#map").boundingBox();

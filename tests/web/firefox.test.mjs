@@ -31,14 +31,14 @@ test("every example and random settings: Firefox says what Chromium says", async
     ...Array.from({ length: 8 }, () => `?${randomLink(next)}`),
   ];
   for (const query of queries) {
-    // This panel has no maps.
+    // This panel has no plots.
     const [first, second] = await Promise.all(pages.map((page) => said(page, `${query}&panel=numbers`)));
     assert.deepEqual(first, second, query);
   }
 });
 
 test("the story is scrolled with the keys, and its pictures are drawn", async (t) => {
-  const page = await firefox.open(t, "?page=story");
+  const page = await firefox.open(t, "?page=story", { maps: true });
   for (const step of ["predict", "watch", "slow", "count", "gap", "map"]) {
     await page.evaluate((step) => document.querySelector(`.chapter[data-step="${step}"]`).scrollIntoView(), step);
     await page.waitForFunction(
@@ -76,7 +76,7 @@ test("the story is scrolled with the keys, and its pictures are drawn", async (t
 });
 
 test("controls, keys and map; the link gives the same page again", async (t) => {
-  const page = await firefox.open(t, "?example=fig2");
+  const page = await firefox.open(t, "?example=fig2", { maps: true });
   await page.focus("#gap1-value");
   await page.keyboard.press("Control+A");
   await page.keyboard.type("0.25 mm");
@@ -99,7 +99,7 @@ test("controls, keys and map; the link gives the same page again", async (t) => 
       document.documentElement.dataset.numbers,
       ...["time", "verdict", "why", "map-reading"].map((id) => document.getElementById(id).textContent),
     ]);
-  const second = await firefox.open(t, new URL(page.url()).search);
+  const second = await firefox.open(t, new URL(page.url()).search, { maps: true });
   await rest(second);
   await mapDone(page);
   await mapDone(second);

@@ -110,7 +110,7 @@ for (const { query, axes, show, title } of [
   },
 ])
   test(`the map as CSV and as SVG, ${show} over ${axes}: the values of the core`, async (t) => {
-    const page = await open(t, query);
+    const page = await open(t, query, { maps: true });
     await page.locator("#map-box").scrollIntoViewIfNeeded();
     await mapDone(page);
     const { rows } = csv(await saved(page, "#map-csv"));
@@ -146,7 +146,7 @@ for (const { query, axes, show, title } of [
   });
 
 test("axes of the map: any two, by keyboard, in the link, with its claims", async (t) => {
-  const page = await open(t, "?example=fig2");
+  const page = await open(t, "?example=fig2", { maps: true });
   await page.locator("#map-box").scrollIntoViewIfNeeded();
   await page.selectOption("#map-across", "k");
   await page.selectOption("#map-axis", "mass");

@@ -1,10 +1,10 @@
-// 500 random settings: nothing throws, the numbers are Python's, and the film includes all contacts of both models.
+// 300 random settings: nothing throws, the numbers are Python's, and the film includes all contacts of both models.
 // PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { fromPython, load, random, randomLink } from "./modules.mjs";
 
-const count = 500;
+const count = 300;
 const { core, solve, dropOf, exactNumbers, fromQuery, toQuery, toToml, paper, trajectoryCsv, reportOf } =
   await load("report");
 

@@ -244,33 +244,29 @@ test("the story is printed with the balls of each chapter, wherever the reader i
     ["predict", ["timeline", "map"]],
     ["count", ["timeline", "map", "rebound"]],
   ]) {
-    const page = await open(t, `?story=${step}`);
-    // Complete when the pictures that the screen does not show are computed.
-    const printed = () =>
-      page.evaluate(() => {
-        dispatchEvent(new Event("beforeprint"));
-        const texts = Object.fromEntries(
-          [...document.querySelectorAll(".chapter[data-step]")].map((chapter) => [
-            chapter.dataset.step,
-            [...chapter.querySelectorAll(".text, .beside")].map((x) => x.textContent).join(" "),
-          ]),
-        );
-        const papers = [...document.querySelectorAll(".paper")].map((x) => x.parentElement.querySelector("[id]").id);
-        // Share of the picture that is not blank.
-        const inks = [...document.querySelectorAll(".paper")].map((x) => {
-          const { data } = x.getContext("2d").getImageData(0, 0, x.width, x.height);
-          return data.filter((a, i) => i % 4 === 3 && a > 0).length / (x.width * x.height);
-        });
-        dispatchEvent(new Event("afterprint"));
-        return { texts, papers, inks };
-      });
+    const page = await open(t, `?story=${step}`, { maps: true });
     const before = await page.evaluate(() => [window.hardlimit.report().step, window.hardlimit.report().toml]);
-    let paper;
-    for (let k = 0; k < 60; k++) {
-      paper = await printed();
-      if (/^Above|Above the line/.test(paper.texts.map) && /are back\. Let go touching/.test(paper.texts.gap)) break;
-      await page.waitForTimeout(500);
-    }
+    // Complete when the pictures that the screen does not show are computed.
+    const printed = () => {
+      dispatchEvent(new Event("beforeprint"));
+      const texts = Object.fromEntries(
+        [...document.querySelectorAll(".chapter[data-step]")].map((chapter) => [
+          chapter.dataset.step,
+          [...chapter.querySelectorAll(".text, .beside")].map((x) => x.textContent).join(" "),
+        ]),
+      );
+      const complete = /^Above|Above the line/.test(texts.map) && /are back\. Let go touching/.test(texts.gap);
+      const pictures = complete ? [...document.querySelectorAll(".paper")] : [];
+      const papers = pictures.map((x) => x.parentElement.querySelector("[id]").id);
+      // Share of the picture that is not blank.
+      const inks = pictures.map((x) => {
+        const { data } = x.getContext("2d").getImageData(0, 0, x.width, x.height);
+        return data.filter((a, i) => i % 4 === 3 && a > 0).length / (x.width * x.height);
+      });
+      dispatchEvent(new Event("afterprint"));
+      return complete && { texts, papers, inks };
+    };
+    const paper = await (await page.waitForFunction(printed, null, { polling: 500, timeout: 120_000 })).jsonValue();
     assert.match(paper.texts.predict, /^A tennis ball above a basketball: both are let go together/);
     assert.match(paper.texts.slow, /^Drop the basketball alone/);
     assert.match(paper.texts.count, /^For this chapter the balls change.* At ε = 0\.7 the balls touch four times/);
@@ -314,7 +310,7 @@ test("the story: one contact, all contacts, with sliders for ε and the gap", as
 });
 
 test("the story: curve and map belong to the setting", async (t) => {
-  const page = await open(t, "?story=gap");
+  const page = await open(t, "?story=gap", { maps: true });
   await says(page, "gap", /Let go touching, the tennis ball reaches 0\.689 m; [\d.]+ cm apart, 1\.30 m/, {
     timeout: 120_000,
   });
@@ -692,7 +688,7 @@ test("the story on a narrow phone: chapters by name, and the next one", async (t
 });
 
 test("on a phone what comes out stays in sight", async (t) => {
-  const page = await open(t, "", phone);
+  const page = await open(t, "", { maps: true, ...phone });
   assert.equal(await page.isVisible("#mini"), false);
   await page.evaluate(() => document.getElementById("numbers").scrollIntoView());
   await page.waitForSelector("#mini", { state: "visible" });
