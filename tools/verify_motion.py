@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import recorded
 import scipy
-from verify_states import CODES, Lammps, Script
+from verify_states import CODES, SCRIPTS, Lammps, Script
 
 #: A square of two by two.
 PLATE: Final = """solid plate
@@ -173,6 +173,27 @@ def drum_in_lammps(code: Lammps) -> dict[str, float]:
     }
 
 
+def box_in_lammps(code: Lammps) -> dict[str, float]:
+    """Means from a strain of 2 to one of 6, without the mean flow; overlaps are those of all contacts."""
+    shutil.copy(SCRIPTS / "dense.data", code.folder)
+    lines = [
+        "compute flow all temp/deform",
+        "compute p all pressure flow",
+        "compute apart all pair/local dist",
+        "compute near all reduce ave c_apart inputs local",
+        "fix mean all ave/time 100 500 50000 c_p c_p[4] c_near file means.txt",
+    ]
+    code.run(code.text.replace("run 150000", "run 50000\n" + "\n".join([*lines, "run 100000"])))
+    pressure, stress, apart = np.loadtxt(code.folder / "means.txt")[-2:, 1:].mean(0)
+    return {
+        "shear_rate": 10.0,
+        "pressure": pressure,
+        "inertial_number": 10.0 * 1e-3 * math.sqrt(2500.0 / pressure),
+        "stress_ratio": -stress / pressure,
+        "overlap": (1e-3 - apart) / 5e-4,
+    }
+
+
 def surface(rows: np.ndarray) -> float:
     """Slope of the line through the highest grains of columns in the middle of a heap."""
     edges = np.quantile(rows[:, 0], np.linspace(0.2, 0.8, 9))
@@ -188,8 +209,19 @@ MOTIONS: Final = (
     Motion("lammps_chute", chute_in_lammps),
     Motion("lammps_rough_chute", chute_in_lammps),
     Motion("lammps_turning_drum", drum_in_lammps),
+    Motion("lammps_dense_shear", box_in_lammps),
 )
-COLUMNS: Final = ("script", "version", "gamma", "strength", "shear_rate", "pressure", "inertial_number")
+COLUMNS: Final = (
+    "script",
+    "version",
+    "gamma",
+    "strength",
+    "shear_rate",
+    "pressure",
+    "inertial_number",
+    "stress_ratio",
+    "overlap",
+)
 
 
 def main() -> None:
