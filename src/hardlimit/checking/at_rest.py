@@ -553,9 +553,7 @@ class GrainState:
     stiffness_unit: str | None = None  #: this unit; empty in lj units
     pressure_for_rigid: float | None = None  #: [Pa] up to which κ_p is at least 10⁴, if p is not known
     height_for_rigid: float | None = None  #: [m] of a bed with this pressure at its bottom
-    layers: int | None = (
-        None  #: if p is not known: 100, or those of a slender column of the grains if they are few
-    )
+    layers: int | None = None  #: if p is not known: 100, or fewer of few grains, as in a slender column
     layers_height: float | None = None  #: [m] of these layers
     layers_stiffness_number: float | None = None  #: κ_p below them
     layers_overlap: float | None = None  #: δ/R below them
@@ -570,9 +568,7 @@ class GrainState:
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"
-    collisional_from: float | None = (
-        None  #: I from which contacts last less than twice as long as a collision
-    )
+    collisional_from: float | None = None  #: I where contacts last twice as long as a collision
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
     tilt: float | None = None  #: angle [°] between gravity and the nearest axis, as in chutes
