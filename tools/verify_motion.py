@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import recorded
 import scipy
-from verify_states import CODES, Lammps, Script
+from verify_states import CODES, SCRIPTS, Lammps, Script
 
 #: A square of two by two.
 PLATE: Final = """solid plate
@@ -39,6 +39,8 @@ endloop
 endfacet
 endsolid plate
 """
+#: Facets of a cylinder.
+FACETS: Final = 48
 #: Lines that make YADE print where the plate is.
 WATCH: Final = """
 for _ in range(400):
@@ -150,11 +152,33 @@ def chute_in_lammps(code: Lammps) -> dict[str, float]:
 
 
 def drum_in_lammps(code: Lammps) -> dict[str, float]:
-    """Below the free surface in the middle of the drum: the surface is a line through the highest grains."""
+    """Of beads of 2 mm in a slice of 1 cm."""
     dump = "dump last all custom 2000 last.dump x y vx vy mass\nrun 400000"
     code.run(code.text.replace("run 400000", dump))
-    last = frames(code.folder / "last.dump")[-120:]
-    rows = np.concatenate([rows for _, rows in last])
+    return flowing_layer([rows for _, rows in frames(code.folder / "last.dump")[-120:]], 0.01)
+
+
+def drum_in_liggghts(code: Lammps) -> dict[str, float]:
+    """The same in a slice of 8 mm; the last quarter of a turn."""
+    around = [0.02 * np.exp(2j * math.pi * k / FACETS) for k in range(FACETS + 1)]
+    corners = [[f"{w.real:.8g} {y} {w.imag:.8g}" for y in (0, 0.008)] for w in around]
+    facets = []
+    for (a, b), (c, d) in itertools.pairwise(corners):
+        for three in ((a, b, c), (b, d, c)):
+            vertices = "\n".join(f"vertex {corner}" for corner in three)
+            facets.append(f"facet normal 0 0 1\nouter loop\n{vertices}\nendloop\nendfacet\n")
+    (code.folder / "cylinder.stl").write_text(f"solid drum\n{''.join(facets)}endsolid drum\n")
+    dump = "dump last all custom 1000 last.dump x z vx vz mass\nrun 200000"
+    code.run(code.text.replace("run 200000", dump))
+    return flowing_layer([rows for _, rows in frames(code.folder / "last.dump")[-100:]], 0.008)
+
+
+def flowing_layer(last: list[np.ndarray], thickness: float) -> dict[str, float]:
+    """Below the free surface in the middle of a drum: the surface is a line through the highest grains.
+
+    ``last``: places in the plane, velocities and masses in each frame. Of beads of 2 mm, in SI units.
+    """
+    rows = np.concatenate(last)
     slope = surface(rows)
     along, down = np.array([1.0, slope]), np.array([slope, -1.0])
     along, down = along / np.hypot(*along), down / np.hypot(*down)
@@ -163,13 +187,34 @@ def drum_in_lammps(code: Lammps) -> dict[str, float]:
     near = np.abs(at - middle) < 4e-3
     depth = depth - np.quantile(depth[near], 0.01)
     rate = profile(depth[near], rows[near, 2:4] @ along, (0.0, 4e-3))
-    above = rows[near & (depth < 2e-3), 4].sum() / len(last) / (8e-3 * 0.01)
+    above = rows[near & (depth < 2e-3), 4].sum() / len(last) / (8e-3 * thickness)
     pressure = above * 9.81 * abs(down[1])
     print("slope", math.degrees(math.atan(slope)), flush=True)
     return {
         "shear_rate": rate,
         "pressure": pressure,
         "inertial_number": rate * 2e-3 * math.sqrt(2500.0 / pressure),
+    }
+
+
+def box_in_lammps(code: Lammps) -> dict[str, float]:
+    """Means from a strain of 2 to one of 6, without the mean flow; overlaps are those of all contacts."""
+    shutil.copy(SCRIPTS / "dense.data", code.folder)
+    lines = [
+        "compute flow all temp/deform",
+        "compute p all pressure flow",
+        "compute apart all pair/local dist",
+        "compute near all reduce ave c_apart inputs local",
+        "fix mean all ave/time 100 500 50000 c_p c_p[4] c_near file means.txt",
+    ]
+    code.run(code.text.replace("run 150000", "run 50000\n" + "\n".join([*lines, "run 100000"])))
+    pressure, stress, apart = np.loadtxt(code.folder / "means.txt")[-2:, 1:].mean(0)
+    return {
+        "shear_rate": 10.0,
+        "pressure": pressure,
+        "inertial_number": 10.0 * 1e-3 * math.sqrt(2500.0 / pressure),
+        "stress_ratio": -stress / pressure,
+        "overlap": (1e-3 - apart) / 5e-4,
     }
 
 
@@ -188,8 +233,20 @@ MOTIONS: Final = (
     Motion("lammps_chute", chute_in_lammps),
     Motion("lammps_rough_chute", chute_in_lammps),
     Motion("lammps_turning_drum", drum_in_lammps),
+    Motion("lammps_dense_shear", box_in_lammps),
+    Motion("liggghts_rolling_drum", drum_in_liggghts),
 )
-COLUMNS: Final = ("script", "version", "gamma", "strength", "shear_rate", "pressure", "inertial_number")
+COLUMNS: Final = (
+    "script",
+    "version",
+    "gamma",
+    "strength",
+    "shear_rate",
+    "pressure",
+    "inertial_number",
+    "stress_ratio",
+    "overlap",
+)
 
 
 def main() -> None:

@@ -1,9 +1,13 @@
 """The law of the error with friction: its terms, its limits, and measured values."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import hardlimit as hl
 from conftest import refusal
@@ -170,7 +174,8 @@ def test_what_is_not_known_with_friction_is_refused() -> None:
     outside = rubbing(1.5, 1.0)
     assert "μ = 1.5 is outside the measured range 0 to 1" in outside.extrapolated
     assert outside.coefficient_error > 2.0 * rubbing(1.0, 1.0).coefficient_error
-    assert math.isnan(outside.heated_error(0.1))
+    for other in ({"rule": "constant"}, {"dimension": 2}):
+        assert math.isnan(rubbing(0.5, 1.0, **other).heated_error(0.1))
     assert "friction" in refusal(lambda: outside.sheared_errors(0.1))
 
 
@@ -182,3 +187,58 @@ def test_hertz_law_with_friction_has_a_wider_bar() -> None:
         known = hl.error_law(packing_fraction=phi, restitution=0.9, rule="law", law=law)
         assert abs(known.coefficient - value) < 1.5 * math.hypot(error, known.coefficient_error)
         assert known.coefficient_error > 0.07 and "three points" in known.extrapolated
+
+
+# --- heated gases -----------------------------------------------------------------------------------------------
+
+DRIVEN = xr.load_dataset(Path(__file__).parents[2] / "studies/driven_friction.nc")
+#: φ, ε, μ, ρ and t_c ν of studies/driven_friction.py. The last five were run after the theory was written.
+HEATED = {
+    "thin": (0.1, 0.9, 0.5, 1.0, 0.1),
+    "dense": (0.3, 0.9, 0.5, 1.0, 0.3),
+    "stiff": (0.3, 0.9, 0.5, 2.88, 0.3),
+    "smoother": (0.3, 0.9, 0.1, 1.0, 0.3),
+    "rougher": (0.3, 0.9, 1.0, 1.0, 0.3),
+    "denser": (0.5, 0.9, 0.5, 1.0, 0.3),
+    "inelastic": (0.3, 0.7, 0.5, 1.0, 0.3),
+    "thin rougher": (0.1, 0.9, 1.0, 1.0, 0.1),
+}
+
+
+def test_heated_gases_have_the_predicted_temperature() -> None:
+    """Hard spheres against Newton's equations at equal power; χ² of eight points without a parameter of their own."""
+    squares, without = [], []
+    for case, (phi, epsilon, mu, rho, tc_nu) in HEATED.items():
+        at = DRIVEN.sel(drive="heated", case=case)
+        hard, newton = (at.dissipation.sel(model=model).values for model in ("law", "newton"))
+        measured = float(hard.mean() / newton.mean()) ** (-2.0 / 3.0) - 1.0
+        x = tc_nu * math.sqrt(float(at.temperature.sel(model="newton").mean()))
+        law = rubbing(mu, rho, phi=phi, epsilon=epsilon)
+        predicted, bar = law.heated_error(x), 2.0 / 3.0 * law.error_bar(x)
+        assert law.smooth is not None
+        squares.append(((predicted - measured) / math.hypot(bar, 0.0045)) ** 2)
+        without.append(((law.smooth.heated_error(x) - measured) / math.hypot(bar, 0.0045)) ** 2)
+    assert max(squares) < 4.0 and sum(squares) < 8.0 < 0.1 * sum(without)
+
+
+def test_the_heated_gas_of_smooth_grains_is_a_limit() -> None:
+    """For μ → 0 it is the law without friction; it is continuous in μ, and nothing at t_c ν = 0."""
+    smooth = hl.error_law(packing_fraction=0.3, restitution=0.9)
+    slight = rubbing(1e-9, 1.0, phi=0.3)
+    assert slight.heated_error(0.2) == pytest.approx(smooth.heated_error(0.2), rel=1e-6)
+    values = [rubbing(mu, 1.0, phi=0.3).heated_error(0.1) for mu in (0.049, 0.051, 0.2, 0.21)]
+    assert values[0] == pytest.approx(values[1], abs=5e-4) and values[2] == pytest.approx(values[3], abs=2e-3)
+    assert rubbing(0.5, 1.0).heated_error(0.0) == 0.0
+
+
+@pytest.mark.slow
+@settings(max_examples=10)
+@given(
+    phi=st.floats(0.02, 0.5), epsilon=st.floats(0.7, 0.99), mu=st.floats(0.0, 1.0), rho=st.floats(1.0, 3.5),
+    tc_nu=st.floats(0.0, 0.3),
+)  # fmt: skip
+def test_heated_errors_are_known_wherever_the_law_was_measured(phi, epsilon, mu, rho, tc_nu) -> None:
+    law = rubbing(mu, rho, phi=phi, epsilon=epsilon)
+    value = law.heated_error(tc_nu)
+    assert math.isnan(value) or value > -1.0
+    assert math.isfinite(law.heated_error(min(tc_nu, 0.02)))

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -51,12 +52,44 @@ def test_a_deep_layer_on_a_rough_base_flows_as_said():
     [
         (16.0, "on a rough base a deep layer rests below 21°."),
         (20.7, "flows with I up to 0.04, or rests"),
-        (29.0, "may get faster and faster, or flows with I > 0.3."),
-        (45.0, "gets faster and faster, or flows with I > 0.4."),
+        (29.0, "may get faster and faster, or flows with I > 0.3; contacts last below I = 0.12."),
+        (45.0, "gets faster and faster, or flows with I > 0.4; contacts last below I = 0.067."),
     ],
 )
 def test_layers_rest_flow_or_get_faster(tilt, words):
     assert words in hl.check(text("lammps_chute", ("chute 24.0", f"chute {tilt}"))).sentence
+
+
+def test_a_slope_and_its_own_shear_have_one_answer():
+    """Of random slopes: a No holds for --shear with each I of their range, and what cannot be said does not for all."""
+    random = np.random.default_rng(5)
+    answers = []
+    for _ in range(60):
+        stiffness, damping = 10.0 ** random.uniform(3, 7), random.uniform(0.02, 0.4)
+        mu = random.uniform(0.3, 0.7)
+        spring = f"{stiffness:.4g} NULL {damping * stiffness**0.5:.4g} NULL {mu:.3f} 0"
+        changes = (
+            ("chute 24.0", f"chute {random.uniform(15.5, 32.0):.2f}"),
+            ("2e5 NULL 50 NULL 0.5 0", spring),
+        )
+        bed, height = text("lammps_chute", *changes), 10.0 ** random.uniform(0.5, 2.0)
+        verdict = hl.check(bed, height=height)
+        state = verdict.state
+        if state.slope_inertial_number is None:  # ε outside the measured range
+            continue
+        low, high = state.slope_inertial_number
+        answers.append(verdict.admissible)
+        at = []
+        for inertial in (max(low, 1e-4), min(high, 1.0)):
+            if not 0.0 < inertial < math.inf:
+                continue
+            sheared = hl.check(bed, height=height, shear_rate=inertial * math.sqrt(state.pressure))
+            assert sheared.state.inertial_number == pytest.approx(inertial)
+            assert sheared.state.collisional_from == pytest.approx(state.collisional_from)
+            at.append(sheared.admissible)
+        assert at[-1] is verdict.admissible if at else verdict.admissible is None
+        assert ("contacts last below" in verdict.sentence) is (verdict.admissible is None)
+    assert 10 < answers.count(None) < 50
 
 
 @pytest.mark.parametrize(

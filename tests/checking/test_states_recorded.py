@@ -1,5 +1,6 @@
 """Numbers of grains at rest as ``check`` prints them, against those recorded in LAMMPS, LIGGGHTS and YADE."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ from stand_ins import stand_ins
 
 import hardlimit as hl
 from conftest import table
-from hardlimit.checking import scripts
+from hardlimit.checking import flows, scripts, state_words
 
 STATES = Path(__file__).parent / "data/states"
 MEASURED = {row["script"]: row for row in table("script_states")}
@@ -90,7 +91,19 @@ def test_the_inertial_number_is_that_of_the_flow_in_the_code(name):
     options = {"shear_rate": float(row["shear_rate"]), "pressure": float(row["pressure"])}
     said = hl.check(STATES / name, **options).state
     assert said.inertial_number == pytest.approx(float(row["inertial_number"]), rel=1e-3)
-    assert said.regime == "collisional"
+    assert said.regime == ("collisional" if name == "lammps_chute" else "dense")
+
+
+def test_a_dense_box_is_sheared_in_lammps_as_our_own_are():
+    """Its stress ratio is that of our boxes at its I; overlaps are three times those of a packing at rest."""
+    name = "lammps_dense_shear"
+    row = MOTIONS[name]
+    low, high = flows.on_slope(math.degrees(math.atan(float(row["stress_ratio"]))), 0.5)
+    assert low < float(row["inertial_number"]) < high
+    verdict = hl.check(STATES / name, pressure=float(row["pressure"]))
+    assert verdict.admissible is False and verdict.state.regime == "dense"
+    assert 2.0 < float(row["overlap"]) / verdict.state.overlap < 8.0 and "overlap" not in verdict.sentence
+    assert "2 to 8 times that" in " ".join(state_words.details(verdict))
 
 
 def test_the_numbers_of_a_distribution_are_those_that_the_code_inserts():

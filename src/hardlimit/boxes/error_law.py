@@ -189,6 +189,10 @@ class ErrorLaw:
     offset_error: float = field(default=0.0, repr=False)  #: its standard error
     smooth_error: float = 0.0  #: error of event-driven cooling of translation without the friction, in theory
     temperature_ratio: float = math.nan  #: T_r/T, mean of 3 to 9 collisions of each in theory; NaN if smooth
+    smooth: ErrorLaw | None = field(default=None, repr=False)  #: that without the friction
+    heated_change: float = field(
+        default=math.nan, repr=False
+    )  #: by friction, of ln T of a heated gas per t_c ν
 
     def error(self, tc_nu: float) -> float:
         """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.
@@ -222,8 +226,9 @@ class ErrorLaw:
         """Relative error of the granular temperature in the steady state at equal heating power.
 
         T of the hard spheres over that under Newton's equations, less 1; NaN where t_c ν is so large that the expansion
-        leaves no kinetic energy, and with friction, for which there are measurements only. :doc:`/driven_gases`
-        has these and derives the error of smooth particles, :doc:`/results` measures it.
+        leaves no kinetic energy. With friction it is that of spheres with linear springs under the rule law whose
+        velocities are heated by white noise, and NaN for others. :doc:`/driven_gases` derives it, and :doc:`/results`
+        measures that of smooth particles.
 
         Notes
         -----
@@ -237,8 +242,11 @@ class ErrorLaw:
         Argument and errors as for :meth:`ErrorLaw.error`, with t_c ν in the steady state under Newton's equations.
         """
         x = _tc_nu(tc_nu)
+        if self.smooth is not None:
+            rubbed = 1.0 + self.heated_change * x
+            return (1.0 + self.smooth.heated_error(x)) * rubbed - 1.0 if rubbed > 0.0 else math.nan
         slower = 1.0 + (self.coefficient + self.decay) * x
-        if not slower > 0.0 or self.friction is not None:
+        if not slower > 0.0:
             return math.nan
         root = 1.0  # √(E of the rule/E under Newton's equations)
         for _ in range(FIXED_POINT_STEPS):
@@ -481,7 +489,8 @@ def with_friction(
     energy = terms.energy - (stored - delayed * x) / dim
     turn = (terms.turn - (dim - 1) * law.mean_compression) / gas.density
     pressure = gas.slope * (terms.pressure + law.mean_compression) / gas.density
-    change = weak * law.mean_duration * _correlations(smooth) * (energy + turn + pressure - third)
+    scale = weak * law.mean_duration * _correlations(smooth)
+    change = scale * (energy + turn + pressure - third)
     bar = weak * frictional_error.bar(x, turn, pressure, third)
     outside = setting.outside()
     wider = 1.0 + setting.distance()
@@ -501,7 +510,28 @@ def with_friction(
         offset_error=weak * math.hypot(0.003, 0.5 * terms.offset) if constant else 0.0,
         smooth_error=weak * terms.smooth_error,
         temperature_ratio=terms.temperature_ratio,
+        smooth=smooth,
+        heated_change=scale * _heated_change(smooth, strong, law, delayed),
     )
+
+
+def _heated_change(
+    smooth: ErrorLaw, setting: frictional_error.Setting, law: Exponents, delayed: float
+) -> float:
+    """By how much friction changes ln(T of hard spheres/T) of a heated gas over t_c ν, without correlations; NaN where
+    it was not measured."""
+    dim, phi, x = smooth.dimension, smooth.packing_fraction, 1.0 - smooth.restitution**2
+    if dim != 3 or setting.powers != LINEAR_POWERS or smooth.rule != "law":
+        return math.nan
+    terms = frictional_error.heated_terms(setting._replace(theta=0.0), *law, delayed)
+    if terms is None:
+        return math.nan
+    gas = fluid(dim, phi)
+    turn = (terms.turn + (dim - 1) * law.mean_compression) / gas.density
+    pressure = gas.slope * (terms.pressure - law.mean_compression) / gas.density
+    third = frictional_error.third_particles(dim, phi, terms.spring)
+    without = ((2.0 / 3.0 * delayed - 0.5) - 0.5 / law.energy) * x / dim
+    return 2.0 / 3.0 * (turn + pressure + third) + terms.energy - without
 
 
 def _rule_not_known(rule: str) -> str:

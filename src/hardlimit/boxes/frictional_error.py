@@ -54,6 +54,8 @@ APART: Final = 0.2
 #: Steps in each part of the balance, and t_c ν at the start for its derivative.
 STEPS: Final = 40
 SMALL: Final = 1e-4
+#: Change of θ for the slopes of the exchange of energy.
+SLOPE: Final = 1e-3
 
 
 #: Powers of the linear force, and the laws by their powers.
@@ -206,10 +208,11 @@ class Turned(NamedTuple):
 
 
 class Stored(NamedTuple):
-    """Mean energy over a contact in m T: in the normal spring, and in the tangential one."""
+    """Mean energy over a contact in m T."""
 
-    normal: float
-    tangential: float
+    normal: float  #: in the normal spring
+    tangential: float  #: in the tangential one
+    rotation: float  #: that rotation still gains until the end
 
 
 def axes_of_rotation(dimension: int) -> int:
@@ -338,16 +341,19 @@ def stored(contact: Contact, theta: float, dimension: int) -> Stored:
     velocities, spins = impacts(STORING[is_linear(contact)], theta, q, dimension)
     normal, ratio = np.array([0.0, 0.0, 1.0]), contact.effective_mass / contact.tangential_mass - 1.0
     d = FLAT * mean_duration(contact)
-    energies, total = np.zeros(2), 0.0
+    inertia = 0.25 * q * mass * d * d
+    energies, total = np.zeros(3), 0.0
     for v, s in zip(velocities, spins / d, strict=True):
         duration = float(contact.duration(-v[2]))
         times = (np.arange(INSTANTS) + 0.5) / INSTANTS * duration
         path = _core.turning_path(contact.core, d, d, ratio, normal, v, s, times)
+        spin = np.array(_core.turning_contact(contact.core, d, d, ratio, normal, v, s)["spin"])
         compression = np.maximum(-path[:, 2], 0.0)
         stiffness = friction.stiffness * compression ** (0.25 * friction.stiffness_power)
         force = np.sum(path[:, 13:16] ** 2, axis=1)
         spring = np.divide(force, 2.0 * stiffness, out=np.zeros(INSTANTS), where=stiffness > 0.0)
-        energies += duration * np.array([contact.energy(compression).mean(), spring.mean()])
+        gained = inertia * float(spin @ spin - np.sum(path[:, 6:9] ** 2, axis=1).mean())
+        energies += duration * np.array([contact.energy(compression).mean(), spring.mean(), gained])
         total += duration
     return Stored(*(energies / (total * mass)).tolist())
 
@@ -518,4 +524,53 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> CoefficientTe
         temperature_ratio=mean,
         offset=offset,
         smooth_error=(1.0 - epsilon**2) / (gain - loss) - 1.0,
+    )
+
+
+class HeatedTerms(NamedTuple):
+    """What friction makes of the temperature of a gas heated by white noise on its velocities; made by
+    :func:`heated_terms`. Relative changes of the loss under Newton's equations, with those by the ratio θ that rotation
+    then takes."""
+
+    turn: float  #: by the turn of contacts, in w/d
+    pressure: float  #: by the pressure of neighbours, in s w/d
+    spring: float  #: by third particles, in t_c ν and their share of springs
+    energy: float  #: change of ln(T of hard spheres/T) by the energy in contacts, in t_c ν
+
+
+@lru_cache(maxsize=512)
+def heated_terms(setting: Setting, q: float, c: float, delayed: float) -> HeatedTerms | None:
+    """The terms of equal grains with friction, arguments as for :func:`terms`; None if rotation has no steady state.
+
+    Rotation gains in collisions as much as it loses, so that θ follows each change of the gain. A third particle that
+    ends a contact takes from rotation what it would still have gained on average.
+    """
+    from scipy.optimize import brentq
+
+    contact, dimension = setting.contact(), setting.dimension
+    exponent = 1.0 + (c + 1.0) / q
+    _, balance = _balance(setting._replace(theta=0.0), exponent)
+
+    def gain(theta: float) -> float:
+        return float(balance.collision(theta)[1])
+
+    if not gain(RATIOS[0]) > 0.0 > gain(RATIOS[-1]):
+        return None
+    theta = float(brentq(gain, RATIOS[0], RATIOS[-1], xtol=1e-12))
+    loss = -float(balance.collision(theta)[0])
+    slopes = balance.collision(theta + SLOPE) - balance.collision(theta)
+    # Where the gain falls by a share of the loss, θ falls, and the loss changes by this times the share.
+    moved = -float(slopes[0] / slopes[1])
+    turned, pressed = turned_at(contact, theta, dimension), pressed_at(contact, theta, dimension)
+    springs = stored(contact, theta, dimension)
+    ratio = contact.ball.inertia_factor
+    tangential = springs.tangential / (springs.normal * q) * ratio / (ratio + theta)
+    x = 1.0 - float(contact.restitution(IMPACT_SPEED)) ** 2
+    # Stored: (1 − x/2)(1/q + tangential)/D, of which the loss at equal T has (1/q + tangential − b loss/exponent)/D.
+    kept = (delayed / exponent - 0.5) * loss - 0.5 * x * (1.0 / q + tangential)
+    return HeatedTerms(
+        turn=turned.loss + moved * turned.exchange,
+        pressure=pressed.loss + moved * pressed.exchange,
+        spring=(springs.tangential + moved * springs.rotation) / loss,
+        energy=kept / dimension,
     )

@@ -25,12 +25,21 @@ import scipy
 from ..boxes.box import UNIT_BALL
 from ..convert.force import AdhesiveForce, Force
 from . import mixture
-from .contacts import AGREEMENT, Body, Case
+from .contacts import AGREEMENT, Body, Case, restitution_of
 
 #: Stiffness number from which grains count as rigid.
 RIGID: Final = 1e4
-#: Borders of the inertial number: of the quasi-static and of the collisional regime.
-QUASI_STATIC, COLLISIONAL = 1e-3, 0.1
+#: Inertial number below which flow is quasi-static (GDR MiDi, Eur. Phys. J. E 14, 341 (2004)).
+QUASI_STATIC: Final = 1e-3
+#: Contacts of a flow last twice as long as a collision on average at I = (a + b (1 − ε)) (κ_p/10⁴)^−c: boxes of spheres
+#: sheared by our own steps (studies/lasting_contacts.nc), κ_p from 1500 on. Stiffer grains separate in slower flow.
+SEPARATING: Final = (0.09, 0.92, 0.2)
+SEPARATED_FROM: Final = 2.0
+LEAST_RESTITUTION, SOFTEST_FLOW = 0.5, 1.5e3
+#: κ_p of flows of which it is not known: stiffer than most.
+STIFF_FLOW: Final = 1e6
+#: Impact speeds between which ε is that of a flow.
+FLOW_SPEEDS: Final = (1e-3, 1.0)
 #: Acceleration [m/s²] under which grains rest that are given by numbers.
 GRAVITY: Final = 9.81
 #: Largest force of a contact over the mean at the same pressure, of linear springs (docs/hard_enough.md).
@@ -45,8 +54,10 @@ HERTZ_SPREAD: Final = 0.92
 DENSER, MORE_CONTACTS, SOFTEST = 5.6, 2.7, 100.0
 #: Share of the longest stable step that is safe: frequencies of beds differ by 5 %, and contacts form later.
 SAFE_SHARE: Final = 0.5
-#: Layers of grains below which numbers are given if neither pressure nor height is known.
+#: Layers of grains below which numbers are given if neither pressure nor height is known; fewer for few grains, which
+#: make a column this many times as high as wide.
 LAYERS: Final = 100
+SLENDER: Final = 10.0
 #: The part of the contact duration that is usually taken as the time step.
 USUAL_STEP: Final = 50.0
 
@@ -97,6 +108,14 @@ DRAGGED, MIXED = 0.5, 10.0
 # --- formulas -------------------------------------------------------------------------------------------------
 
 
+def most_layers(count: float | None, dimension: int) -> int:
+    """Layers of so many grains in a slender column, at most 100; None: their number is not known."""
+    if count is None:
+        return LAYERS
+    layers = float((SLENDER ** (dimension - 1) * count) ** (1.0 / dimension))
+    return max(1, math.ceil(min(LAYERS, layers)))
+
+
 def mean_force(pressure: float, diameter: float, carrying: float, dimension: int) -> float:
     """Mean contact force [N] of equal grains under a pressure [Pa]; in two dimensions [N/m]. ``carrying``: φ z."""
     return math.pi * diameter ** (dimension - 1) * pressure / carrying
@@ -123,11 +142,29 @@ def inertial_number(shear_rate: float, diameter: float, density: float, pressure
     return abs(shear_rate) * diameter * math.sqrt(density / pressure)
 
 
-def regime(inertial: float) -> str:
-    """The regime of a flow with this inertial number."""
-    if inertial < QUASI_STATIC:
+def collisional_from(restitution: float, kappa: float | None) -> float:
+    """Inertial number above which contacts last less than twice as long as a collision, on average.
+
+    Outside the measured ranges it is that of their ends, of larger κ_p that of the formula: rather too low.
+    """
+    elastic, dissipative, power = SEPARATING
+    loss = 1.0 - max(restitution, LEAST_RESTITUTION)
+    return float((elastic + dissipative * loss) * (max(kappa or STIFF_FLOW, SOFTEST_FLOW) / RIGID) ** -power)
+
+
+def bounciest(cases: Sequence[Case]) -> float:
+    """Largest ε of the contacts between grains; 1 if one is not known."""
+    pairs = [case for case in cases if case.second is not None]
+    if not pairs or any(case.force is None for case in pairs):
+        return 1.0
+    return max(restitution_of(case, speed) for case in pairs for speed in FLOW_SPEEDS)
+
+
+def regime(inertial: float, border: float) -> str:
+    """The regime of a flow with this inertial number, which is collisional from the border on."""
+    if inertial < min(QUASI_STATIC, border):
         return "quasi-static"
-    return "dense" if inertial < COLLISIONAL else "collisional"
+    return "dense" if inertial < border else "collisional"
 
 
 def shaking_strength(shaking: float, gravity: float, frequency: float, diameter: float) -> float:
@@ -489,6 +526,7 @@ class Load:
     rest_angle: float | None = None  #: [°] below which such a layer comes to rest
     froude_number: float | None = None  #: of a drum
     centrifuging_radius: float | None = None  #: of a drum of Froude number 1
+    layers: int = LAYERS  #: below which numbers are given if the pressure is not known
 
 
 @dataclass(frozen=True)
@@ -515,11 +553,12 @@ class GrainState:
     stiffness_unit: str | None = None  #: this unit; empty in lj units
     pressure_for_rigid: float | None = None  #: [Pa] up to which κ_p is at least 10⁴, if p is not known
     height_for_rigid: float | None = None  #: [m] of a bed with this pressure at its bottom
-    layers_height: float | None = None  #: [m] of 100 layers of grains, if p is not known
+    layers: int | None = None  #: if p is not known: 100, or fewer of few grains, as in a slender column
+    layers_height: float | None = None  #: [m] of these layers
     layers_stiffness_number: float | None = None  #: κ_p below them
     layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
-    step_is_supposed: bool = False  #: whether it is that below 100 layers, or for rigid grains
+    step_is_supposed: bool = False  #: whether it is that below these layers, or for rigid grains
     step_share: float | None = None  #: the time step over it
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
     supposed_tc_nu: float | None = None  #: t_c ν of a gas of which φ or the speed is supposed
@@ -529,6 +568,7 @@ class GrainState:
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"
+    collisional_from: float | None = None  #: I where contacts last twice as long as a collision
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
     tilt: float | None = None  #: angle [°] between gravity and the nearest axis, as in chutes
@@ -536,6 +576,17 @@ class GrainState:
     rest_angle: float | None = None  #: [°] below which such a layer comes to rest
     froude_number: float | None = None  #: Fr = ω²R/g of a drum
     centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
+
+    @property
+    def may_separate(self) -> bool:
+        """Whether grains flow so fast, or may flow so fast down a slope, that their contacts are not said to last.
+
+        :meta private:
+        """
+        border, slope = self.collisional_from, self.slope_inertial_number
+        if border is None or self.inertial_number is not None or slope is None:
+            return self.regime == "collisional"
+        return slope[1] >= border
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -551,6 +602,18 @@ GAS: Final = GrainState("gas")
 def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dimension: int) -> GrainState:
     """The state of grains with these contacts, in the units of their cases."""
     moving = [case for case in cases if case.second is None or math.isfinite(case.first.mass or 1.0)]
+    state = _held_together(moving, load, time_step, dimension)
+    if state.inertial_number is None and state.slope_inertial_number is None:
+        return state
+    border = collisional_from(bounciest(moving), None if state.pressure_is_bound else state.stiffness_number)
+    inertial = state.inertial_number
+    return replace(
+        state, collisional_from=border, regime=None if inertial is None else regime(inertial, border)
+    )
+
+
+def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, dimension: int) -> GrainState:
+    """The state of grains whose contacts have these cases, without the regime of its flow."""
     diameter, density = _grain(moving, dimension)
     if load.name == "shaken" and load.shaking is not None:
         strength = None
@@ -579,7 +642,6 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
         coordination=packing.coordination,
         largest_stable_step=longest,
         inertial_number=inertial,
-        regime=None if inertial is None else regime(inertial),
         shaking=load.shaking,
         tilt=load.tilt,
         slope_inertial_number=load.slope_inertial_number,
@@ -610,7 +672,7 @@ def _supposed(
     diameter: float | None,
     number: int,
 ) -> GrainState:
-    """The state with its numbers up to the pressure for rigid grains, and under gravity below 100 layers of grains.
+    """The state with its numbers up to the pressure for rigid grains, and under gravity below so many layers of grains.
 
     ``number``: of all contacts, of which those with known numbers are given.
     """
@@ -618,13 +680,14 @@ def _supposed(
     state, under = replace(state, pressure_for_rigid=border), list(contacts)
     if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
         heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
-        pressure = heavy * LAYERS * diameter
+        pressure = heavy * load.layers * diameter
         under = [replace(contact, packing=packing, pressure=pressure) for contact in contacts]
         below = _softened(state, under, mixed(under, load.kinds))
         state = replace(
             state,
             height_for_rigid=border / heavy,
-            layers_height=LAYERS * diameter,
+            layers=load.layers,
+            layers_height=load.layers * diameter,
             layers_stiffness_number=below.stiffness_number,
             layers_overlap=below.overlap,
         )

@@ -598,9 +598,9 @@ def _contacts_last(rows: Sequence[CheckedContact], states: Sequence[dumps.State]
 
 
 def _held_together(grains: GrainState, options: Options, lasting: Iterable[Finding]) -> Iterator[Finding]:
-    """Findings of lasting contacts: that which options state first, and no rest in a collisional flow."""
+    """Findings of lasting contacts: that which options state first, and no rest in a flow that may be collisional."""
     findings = list(lasting)
-    if grains.regime == "collisional":
+    if grains.may_separate:
         findings = [finding for finding in findings if not finding.what.startswith(RESTS)]
     elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
@@ -903,8 +903,11 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
 
 def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
     """A collisional flow under gravity is driven, but no homogeneous gas."""
-    flows = grains.regime == "collisional" and gravity
-    return replace(question, driven="a collisional flow under gravity") if flows else question
+    if not (grains.may_separate and gravity):
+        return question
+    slope = grains.regime is None
+    how = "a slope on which contacts may not last" if slope else "a collisional flow under gravity"
+    return replace(question, driven=how)
 
 
 def _step_at_rest(grains: GrainState, system: System, last: Stage) -> corrections.LargestStep | None:

@@ -14,7 +14,7 @@ from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
 from . import dumps, flows, mixture
-from .at_rest import PACKINGS, PRESSED, Load, Packing, weight
+from .at_rest import PACKINGS, PRESSED, Load, Packing, most_layers, weight
 from .contacts import Case
 from .drive import Support
 from .scripts import Stage
@@ -119,6 +119,7 @@ def load_of(
         gravity=stage.gravity,
         density=_density(around, kinds),
         shaking=support.shaking,
+        layers=most_layers(stage.contents.count, around.dimension),
     )
     load = replace(load, **_pressure(stage, options, around, pressed))
     if stage.gravity and stage.down:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ..support.formatting import digits, length, percent, quantity
 from . import flows
 from .answer import stiffness
-from .at_rest import COLLISIONAL, LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
+from .at_rest import LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
 from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
@@ -37,7 +37,9 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     parts = [_softness(state, plain, dimension)]
     if state.inertial_number is not None:
         sign = "≥ " if state.pressure_is_bound else ""
-        parts.append(f"I = γ̇ d √(ρ/p) = {sign}{digits(state.inertial_number, 2)}: {state.regime} flow")
+        border = f" (collisional from {digits(state.collisional_from or 0.0, 2)})" * (state.regime == "dense")
+        known = f"{sign}{digits(state.inertial_number, 2)}: {state.regime} flow{border}"
+        parts.append(f"I = γ̇ d √(ρ/p) = {known}")
     elif state.name == "flow":
         parts.append("--shear, of the flowing layer, gives the inertial number")
         parts.insert(0, _drum(state, plain))
@@ -54,15 +56,18 @@ def _slope(state: GrainState) -> str:
     if state.slope_inertial_number is None or state.rest_angle is None:
         return f"{tilted}: if they flow, --shear gives I = γ̇ d √(ρ/p)"
     low, high = state.slope_inertial_number
+    border = f"; contacts last below I = {digits(state.collisional_from or 0.0, 2)}" * state.may_separate
     deep, rests = f"{tilted}: on a rough base a deep layer", f"rests below {digits(state.rest_angle, 2)}°"
     if high == 0.0:
         return f"{deep} {rests}"
     if not math.isfinite(high):
         fast = "gets faster and faster, or" if not math.isfinite(low) else "may get faster and faster, or"
-        return f"{deep} {fast} flows with I > {digits(low if math.isfinite(low) else flows.FASTEST, 2)}"
+        return (
+            f"{deep} {fast} flows with I > {digits(low if math.isfinite(low) else flows.FASTEST, 2)}{border}"
+        )
     numbers = f"I = {digits(low, 2)} to {digits(high, 2)}" if low else f"I up to {digits(high, 2)}, or rests"
     flows_with = f"{deep} flows with {numbers}, on a flat one it may slide faster"
-    return f"{flows_with}; it {rests}; --shear gives its own I"
+    return f"{flows_with}{border}; it {rests}; --shear gives its own I"
 
 
 def _drum(state: GrainState, plain: bool) -> str:
@@ -99,13 +104,16 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
     unit = "N/m" if dimension == 2 else "Pa"
     shown = f"p = {digits(state.pressure, 3)}" if plain else quantity(state.pressure, unit, 3)
-    text = f"{VERBS[state.name]} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
+    slides = bool(state.slope_inertial_number and state.slope_inertial_number[1] > 0.0)
+    verb = VERBS["pressed" if slides else state.name]
+    text = f"{verb} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
     kappa = state.stiffness_number
     if kappa is None or state.regime == "collisional":
         return text
-    overlap = percent(state.overlap or 0.0)
-    overlap = overlap if overlap.startswith("less than") else f"{most}{overlap}"
-    text += f": κ_p{least} {digits(kappa, 2)}, overlap {overlap} of R"
+    text += f": κ_p{least} {digits(kappa, 2)}"
+    if state.regime != "dense" and not slides:  # flows have fewer contacts and larger overlaps
+        overlap = percent(state.overlap or 0.0)
+        text += f", overlap {'' if overlap.startswith('less') else most}{overlap} of R"
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
     value = f"{digits(state.stiffness_for_rigid, 2)} {state.stiffness_unit or ''}".rstrip()
@@ -114,7 +122,7 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
 
 
 def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str:
-    """What is known without the pressure: κ_p below 100 layers, and up to which pressure or height grains are rigid."""
+    """What is known without the pressure: numbers below some layers, and up to where grains are rigid."""
     border, depth, layers = state.pressure_for_rigid, state.height_for_rigid, state.layers_height
     if border is None:
         return f"Give {options} to know how soft they are"
@@ -124,9 +132,11 @@ def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str
         return f"Grains are rigid (κ_p ≥ 1e4) up to p = {limit}; {options} gives their own κ_p"
     heights = [digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in (layers, depth)]
     kappa, overlap = digits(state.layers_stiffness_number or 0.0, 2), percent(state.layers_overlap or 0.0)
-    below = f"Below {LAYERS} layers ({heights[0]}) κ_p = {kappa}, overlap {overlap} of R"
+    number = state.layers or LAYERS
+    few = ", as in a slender column" if number < LAYERS else ""
+    below = f"Below {number} layers ({heights[0]}{few}) κ_p = {kappa}, overlap {overlap} of R"
     rigid = (
-        f"rigid (1e4) below {heights[1]}" if depth >= layers / LAYERS else "not rigid (1e4) below one layer"
+        f"rigid (1e4) below {heights[1]}" if depth >= layers / number else "not rigid (1e4) below one layer"
     )
     return f"{below}; {rigid}; {options} gives their own"
 
@@ -138,7 +148,7 @@ def _step(state: GrainState, plain: bool) -> str:
         return ""
     limit = digits(longest, 2) if plain else quantity(longest, "s", 2)
     if state.step_is_supposed:
-        limit += " up to this pressure" if state.layers_height is None else f" below {LAYERS} layers"
+        limit += " up to this pressure" if state.layers_height is None else f" below {state.layers} layers"
     if state.step_share is None:
         return f"Steps are stable below {limit}"
     return f"The step is {digits(state.step_share, 2)} of the longest stable one, {limit}"
@@ -150,7 +160,10 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    if state.deepest_overlap is not None:
+    if state.regime == "dense" and state.overlap is not None:
+        rest = f"{percent(state.overlap)} of R"
+        yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 2 to 8 times that."
+    elif state.deepest_overlap is not None:
         deepest = percent(state.deepest_overlap)
         yield f"The overlap is the mean of all contacts at this pressure; the deepest are about {deepest} of R."
     elif state.overlap_of == "the softest contacts":
@@ -171,4 +184,6 @@ def details(verdict: Verdict) -> Iterator[str]:
         beside = f", Rayleigh's time {time(min(rayleigh))}" if rayleigh else ""
         yield f"Longest stable step at rest {time(state.largest_stable_step)}; t_c/50 is {time(min(usual))}{beside}."
     if state.inertial_number is not None:
-        yield f"Flow: quasi-static up to I = {QUASI_STATIC:g}, collisional from {COLLISIONAL:g} on."
+        border = digits(state.collisional_from or 0.0, 2)
+        lasting = "where contacts last less than twice as long as a collision, on average"
+        yield f"Flow: quasi-static up to I = {QUASI_STATIC:g}, collisional above {border}, {lasting}."

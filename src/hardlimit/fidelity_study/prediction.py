@@ -60,8 +60,10 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     """
     thermostat = f.start.thermostat
     heated = isinstance(thermostat, RandomKicks)
-    if rubs(f.plan.law) and (heated or f.sheared):
-        return Prediction(reason="with friction it is that of a cooling gas")
+    if rubs(f.plan.law) and f.sheared:
+        return Prediction(reason="with friction it is that of a cooling or heated gas")
+    if rubs(f.plan.law) and isinstance(thermostat, RandomKicks) and thermostat.rotational:
+        return Prediction(reason="with friction it is that of kicks on velocities only")
     if f.sheared and thermostat is not None:
         return Prediction(reason="it is sheared and has a thermostat")
     still = f.start.replace(boundary="periodic") if f.sheared else f.start
@@ -133,9 +135,16 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
     at = f.contact_duration * float(gas.collision_rate(temperature))
     if at > MEASURED_TC_NU:
         return Prediction(reason=f"t_c ν = {at:.2g} is above {MEASURED_TC_NU:g}")
-    law = _law(f, rule, gas)
+    try:
+        law = _law(f, rule, gas)
+    except ValueError as unknown:  # with friction
+        return Prediction(reason=f"it is not known with this {unknown}")
     if not f.sheared:
         value = law.heated_error(at)
+        if math.isnan(value):
+            return Prediction(
+                reason="with friction it is that of spheres with linear springs under the rule law"
+            )
         bar = 2.0 / 3.0 * (1.0 + value) * law.error_bar(at)
         return Prediction(value, bar, extrapolated=law.extrapolated)
     if reason := law.no_shear():
