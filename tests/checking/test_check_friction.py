@@ -47,7 +47,7 @@ STIFF = {"stiffness": 1e5, "restitution": 1.0}
 def checked(mu=0.5, law=STIFF, **options):
     """The check of a ball under the linear law."""
     law = hl.LinearDashpot(**law, friction=hl.Friction(mu, **options))
-    return hl.check(BALL, law=law, speed=0.3, packing_fraction=0.1, time_step=1e-6)
+    return hl.check(BALL, law=law, speed=0.3, time_step=1e-6)
 
 
 def said(verdict) -> str:
@@ -73,7 +73,7 @@ def test_numbers_are_those_of_the_contact() -> None:
         youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.8, friction=hl.Friction(0.3, damping_ratio=0.5)
     )
     hollow = hl.Ball(1e-3, density=2500.0, inertia_factor=2 / 3)
-    for row in hl.check(hollow, law=law, speed=(0.1, 1.0), packing_fraction=0.1).rows:
+    for row in hl.check(hollow, law=law, speed=(0.1, 1.0)).rows:
         contact = law.between(*[hollow] * (1 if row.types[1] == "wall" else 2))
         numbers = row.friction
         assert numbers.model == "mindlin_rescale" and numbers.limit == "total" and numbers.coefficient == 0.3
@@ -192,7 +192,7 @@ def test_report(width: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     (tmp_path / "in.box").write_text(
         LAMMPS.format(line) + f"fix w all wall/gran granular {line} zplane 0 1\nrun 1\n"
     )
-    printed = run("check", tmp_path / "in.box", "--speed", 0.1, "--packing-fraction", 0.1).output
+    printed = run("check", tmp_path / "in.box", "--speed", 0.1).output
     assert max(map(len, printed.splitlines())) <= width
     text = " ".join(printed.split())
     assert text.count("μ 0.5: ") == 1 and "1–1, 1–wall μ 0.5: sticks below 39°, slides beyond 68°" in text
@@ -359,7 +359,7 @@ def test_friction_that_adds_energy() -> None:
     for model in MODELS[1:5]:
         rough = hl.Friction(5.0, stiffness_ratio=3.3 / 3.5, model=model)
         law = hl.Tsuji(youngs_modulus=1e8, poisson_ratio=0.1, restitution=1.0, friction=rough)
-        verdict = hl.check(BALL, law=law, speed=0.1, packing_fraction=0.1)
+        verdict = hl.check(BALL, law=law, speed=0.1)
         assert ("friction adds energy: |β| reaches 1.0" in said(verdict)) == ("rescale" not in model)
 
 
@@ -424,7 +424,7 @@ def test_the_error_of_the_step_is_of_first_order() -> None:
         hl.check(
             BALL,
             law=hl.LinearDashpot(stiffness=1e5, restitution=0.8, friction=hl.Friction(0.4, stiffness_ratio=0.8)),
-            speed=0.3, packing_fraction=0.1, time_step=step,
+            speed=0.3, time_step=step,
         ).rows[0].friction.tangential_restitution_error_of_step
         for step in (1e-6, 1e-7, 1e-8, 1e-10)
     ]  # fmt: skip

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import scipy
@@ -17,7 +18,7 @@ from ..boxes.rules import DEFAULTS, RULES
 from ..boxes.theory import Gas
 from ..boxes.time_step import DEFAULT_ERROR
 from ..contact import frictional_contact
-from ..convert.force import AdhesiveForce, Collision, Force
+from ..convert.force import AdhesiveForce, Collision, Force, Powers
 from . import friction
 from .expectation import ACCEPTED, Expected, expected, expected_rubbing, extrapolated, rubbing, smooth_error
 from .friction import SMOOTH, SMOOTH_LAW, SPHERE, CheckedFriction, FrictionLaw
@@ -466,9 +467,15 @@ def collision_of(force: Force, speed: float, damping: float | None) -> Collision
 
 
 def _duration(force: Force, damping: float, speed: float) -> float:
-    """Duration with a numerical damping d: the force counts 1 + d times while it decelerates, then 1 − d times."""
-    _, time = force.scales(speed)
-    p, q, c = 0.25 * force.powers.elastic, 0.25 * force.powers.damping, force.relative_damping(speed)
+    """Duration [s] with a numerical damping."""
+    return force.scales(speed)[1] * _own_duration(force.powers, force.relative_damping(speed), damping)
+
+
+@lru_cache(maxsize=1024)
+def _own_duration(powers: Powers, c: float, damping: float) -> float:
+    """Duration in units of the contact with a numerical damping d: the force counts 1 + d times while it decelerates,
+    then 1 − d times."""
+    p, q = 0.25 * powers.elastic, 0.25 * powers.damping
 
     def push(x: float, v: float) -> float:
         return float(max(x, 0.0) ** p + c * max(x, 0.0) ** q * v)
@@ -478,8 +485,8 @@ def _duration(force: Force, damping: float, speed: float) -> float:
         return [y[1], -a * (1.0 + damping * math.copysign(1.0, a * y[1]))]
 
     def end(_: float, y: Sequence[float]) -> float:
-        return float(y[0] if force.powers.attracts or y[1] > 0.0 else min(push(*y), y[0]))
+        return float(y[0] if powers.attracts or y[1] > 0.0 else min(push(*y), y[0]))
 
     end.terminal, end.direction = True, -1.0  # type: ignore[attr-defined]
     done = scipy.integrate.solve_ivp(rates, (0.0, 1e4), [0.0, 1.0], events=end, rtol=1e-9, atol=1e-12)
-    return float(done.t[-1] * time) if done.status == 1 else math.inf
+    return float(done.t[-1]) if done.status == 1 else math.inf

@@ -105,6 +105,7 @@ def _rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
+@lru_cache(maxsize=1024)
 def _collision(own: FrictionalContact) -> tuple[float, float, float, float]:
     """ε, duration, largest compression and largest force."""
     return _core.power_collision(*own.powers, own.coefficients[1])

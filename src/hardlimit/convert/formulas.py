@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from .. import _core
@@ -191,6 +192,7 @@ def _polynomial(x: float, *coefficients: float) -> float:
     return value
 
 
+@lru_cache(maxsize=4096)  # searches ask for the same ratios again
 def _linear_restitution(ratio: float) -> float:
     return float(_core.power_collision(*CLIPPED.arguments, 2.0 * ratio)[0])
 

@@ -38,8 +38,8 @@ SHORTEST, LONGEST = 0.5, 1.0
 NOISES: Final = np.append(0.0, np.geomspace(2.0**-17, 2.0, 13))
 #: Probability of the interval of one standard error.
 ONE_SIGMA: Final = 0.6827
-#: Bisections for the width of an interval.
-STEPS: Final = 40
+#: Error of the width of an interval, over the largest that it may have.
+PRECISION: Final = 1e-12
 #: Decay times of what is left of a transient, over the length.
 DECAYS: Final = (0.03, 0.1, 0.3)
 #: Smallest number of samples of a series.
@@ -220,14 +220,15 @@ def _cosines(y: Floats) -> Floats:
 
 def _quantile(level: float, weight: Floats, shift: Floats, sigma: Floats, freedom: int) -> float:
     """The h with P(|x| ≤ h) = level for a mixture of Student's distributions."""
+    from scipy.optimize import brentq
     from scipy.special import stdtr, stdtrit
 
-    low, high = 0.0, float((np.abs(shift) + sigma).max()) * float(stdtrit(freedom, 0.5 + 0.5 * level) + 1.0)
-    for _ in range(STEPS):
-        middle = 0.5 * (low + high)
-        inside = stdtr(freedom, (middle - shift) / sigma) - stdtr(freedom, (-middle - shift) / sigma)
-        low, high = (middle, high) if weight @ inside < level else (low, middle)
-    return high
+    def excess(h: float) -> float:
+        inside = stdtr(freedom, (h - shift) / sigma) - stdtr(freedom, (-h - shift) / sigma)
+        return float(weight @ inside) - level
+
+    high = float((np.abs(shift) + sigma).max()) * float(stdtrit(freedom, 0.5 + 0.5 * level) + 1.0)
+    return float(brentq(excess, 0.0, high, xtol=PRECISION * high))
 
 
 def _checked(series: Any) -> xr.DataArray:
