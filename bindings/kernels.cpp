@@ -13,7 +13,7 @@ using Wide = hardlimit::Pair<Real>;  // two registers, for the kernel that is bo
 
 extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;
 const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {
-    HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_batch<Wide>, &hardlimit::sweep::damping_ratios<Real>,
+    HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_batch<Wide>, &hardlimit::sweep::damping_ratios<Wide>,
     &hardlimit::sweep::solve_viscoelastic_batch<Real>, &hardlimit::sweep::leave_batch<Real>};
 
 extern const hardlimit_abi::TouchKernels HARDLIMIT_TOUCH_KERNELS;

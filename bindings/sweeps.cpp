@@ -139,7 +139,8 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
     job.first = first;
     job.count = count;
     job.out = outputs(out, count);
-    run(job, entry.work, 4096, threads, progress);
+    const bool ordered = entry.has_kernel(job.setting.model) && job.is_list();
+    run(job, entry.work, ordered ? sw::ListOrder::most : 4096, threads, progress);
     nb::list large;
     for (const sw::LargeCount& k : job.large) large.append(nb::make_tuple(k.point, k.count));
     return large;

@@ -28,7 +28,7 @@ struct Ends {
 struct Kernel {
     const char* name;
     void (*solve)(const Batch&);
-    void (*damping_ratios)(double*, int);  // b from −ln ε, in place
+    void (*damping_ratios)(double*, int);  // b from ε, in place
     void (*solve_viscoelastic)(const Batch&, double log2_tolerance);
     void (*leave)(const Ends&);
 };

@@ -534,14 +534,14 @@ private:
 
 }  // namespace lanes
 
-// Replaces each loss exponent −ln ε of a list by b = β/ω0.
+// Replaces each ε of a list by b = β/ω0.
 template <class R>
 HL_FN void damping_ratios(double* values, int count) {
     constexpr int W = Lanes<R>::count;
     for (int i = 0; i < count; i += W) {
-        R x{};
+        R x = broadcast<R>(1.0);
         for (int lane = 0; lane < W && i + lane < count; ++lane) set_lane(x, lane, values[i + lane]);
-        x = contact::linear_damping_ratio<R>(x);
+        x = contact::linear_damping_ratio<R>(-math::log<R>(x));
         for (int lane = 0; lane < W && i + lane < count; ++lane) values[i + lane] = lane_of(x, lane);
     }
 }

@@ -13,6 +13,7 @@
 #include "../base/threads.hpp"
 #include "axes.hpp"
 #include "batch.hpp"
+#include "list_order.hpp"
 #include "solve_point.hpp"
 #include "viscoelastic_entry.hpp"
 
@@ -55,6 +56,24 @@ struct Job : PointQueue {
     }
     bool one_restitution() const { return restitution_axis(0).values == restitution_axis(1).values; }
 
+    // Whether the points are a list rather than a grid: each has values of its own.
+    bool is_list() const {
+        return std::all_of(axes.begin(), axes.end(), [this](const Axis& k) {
+            return k.size == 1 || (k.stride == 1 && first + count <= k.size);
+        });
+    }
+    // Order in which points begin … end − 1 are solved; empty: as they are.
+    ListOrder order(u64 begin, u64 end) const {
+        if (!is_list()) return {};
+        std::vector<const double*> parameters;
+        for (const Axis& k : axes) {
+            const double* const values = k.values + first + begin;
+            if (k.size > 1 && std::find(parameters.begin(), parameters.end(), values) == parameters.end())
+                parameters.push_back(values);
+        }
+        return {parameters, static_cast<int>(end - begin)};
+    }
+
     void put(u64 i, int n_contacts, Outcome outcome) {
         if (out.n_contacts) {
             out.n_contacts[i] = static_cast<std::uint8_t>(n_contacts > 255 ? 255 : n_contacts);
@@ -88,7 +107,6 @@ struct Vectorised<contact::LinearDashpot> {
     static void solve(const Kernel& kernel, const Batch& b, double) { kernel.solve(b); }
     // Replaces each ε by β/ω0.
     static void invert(const Kernel& kernel, double* restitution, int n) {
-        for (int i = 0; i < n; ++i) restitution[i] = -math::log(restitution[i]);
         kernel.damping_ratios(restitution, n);
     }
     bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
@@ -141,11 +159,13 @@ public:
         }
     }
 
-    void solve(u64 begin, int size) {
+    // Solves points begin … begin + size − 1 or, of a list, the points begin + chosen[0 … size − 1].
+    void solve(u64 begin, int size, const int* chosen = nullptr) {
         first = begin;
         count = size;
+        order = chosen;
         for (int v = 0; v < n_varying; ++v)
-            fill(value[varying[v]], job.axes[static_cast<std::size_t>(varying[v])], job.first + first, count);
+            read(value[varying[v]], job.axes[static_cast<std::size_t>(varying[v])]);
         if (job.setting.restitution_at >= 0) damping();
         enter();
         Via::solve(*job.kernel, drops.batch(), job.log2_tolerance);
@@ -162,12 +182,21 @@ private:
     u64 alike = 0;  // parameters other than the gap change only at multiples of this; 0: never
     u64 first;
     int count;
+    const int* order;                     // of the points, counted from `first`; null: as they are
     double value[parameter_count][room];  // the parameters
     double ratio[2][most] = {};  // Via::invert of the ε of floor and pair, if the law is specified by ε
     Drops<most> drops;
     int point[most];                  // of each drop
     column::DropBound shallow[most];  // of each drop
     double restitution[room], quotient[2][room];
+
+    u64 place(int i) const { return first + static_cast<u64>(order ? order[i] : i); }
+
+    // Reads the parameter of an axis at the points.
+    void read(double* to, const Axis& axis) const {
+        if (!order) return fill(to, axis, job.first + first, count);
+        for (int i = 0; i < count; ++i) to[i] = axis.values[axis.size > 1 ? job.first + place(i) : 0];
+    }
 
     // Calls f(i, end) for each range of points that differ only in the gap.
     template <class F>
@@ -191,11 +220,11 @@ private:
             const Axis& axis = job.restitution_axis(side);
             const std::vector<double>& known = job.damping[side];
             if (!known.empty()) {
-                fill(ratio[side], {known.data(), axis.stride, axis.size}, job.first + first, count);
+                read(ratio[side], {known.data(), axis.stride, axis.size});
             } else if (side == 1 && job.one_restitution()) {
                 std::copy_n(ratio[0], count, ratio[1]);
             } else {
-                fill(ratio[side], axis, job.first + first, count);
+                read(ratio[side], axis);
                 Via::invert(*job.kernel, ratio[side], count);
             }
         }
@@ -243,10 +272,10 @@ private:
                            quotient[0], quotient[1]});
         const auto give = [&](double* to, const double* from) {
             if (!to) return;
-            if (n == count)
+            if (n == count && !order)
                 std::copy_n(from, n, to + first);
             else
-                for (int k = 0; k < n; ++k) to[first + static_cast<u64>(point[k])] = from[k];
+                for (int k = 0; k < n; ++k) to[place(point[k])] = from[k];
         };
         const double* const solved[quantity_count] = {out[4],      out[5], quotient[0],
                                                       quotient[1], out[2], out[3]};
@@ -260,14 +289,14 @@ private:
             q.n_contacts = drops.n_contacts(k);
             q.outcome = drops.outcome(k);
             q.close();
-            job.put(first + static_cast<u64>(point[k]), q.n_contacts, q.outcome);
+            job.put(place(point[k]), q.n_contacts, q.outcome);
         }
     }
 
     // Not inlined: inlining into both loops made the scalar solver 1 to 2 % slower.
     HL_FN_APART void solve_alone(int i) {
         const PointResult r = solve_point<Law>(job.setting, parameters(i), stop);
-        if (!stop.stopped()) job.put(first + static_cast<u64>(i), r);
+        if (!stop.stopped()) job.put(place(i), r);
     }
 };
 
@@ -297,8 +326,11 @@ void work(Job& job, u64 size, Stop& stop) {
             std::call_once(job.begun, tabulate_damping<Law>, std::ref(job));
             const auto lanes = std::make_unique<VectorBatch<Law>>(job, stop);
             job.for_each_batch(size, stop, [&](u64 begin, u64 end) {
-                for (u64 i = begin; i < end && !stop(); i += most)
-                    lanes->solve(i, static_cast<int>(end - i < most ? end - i : most));
+                const ListOrder order = job.order(begin, end);
+                for (u64 i = begin; i < end && !stop(); i += most) {
+                    const int n = static_cast<int>(end - i < most ? end - i : most);
+                    order.empty() ? lanes->solve(i, n) : lanes->solve(begin, n, order.points() + (i - begin));
+                }
             });
             return;
         }

@@ -65,6 +65,19 @@ def test_same_bits_for_every_instruction_set_and_number_of_threads(model: str, p
         assert digest(compute(some, sets[0], threads, model)) == expected, threads
 
 
+def test_points_of_a_list_may_come_in_any_order() -> None:
+    """Those with monotonic parameters are solved as they come, others in an order of their own."""
+    n = 20_000  # two orders
+    line = {"restitution": np.linspace(0.3, 1.0, n), "gap": np.geomspace(1e-6, 1e-2, n)}
+    shuffled = np.random.default_rng(5).permutation(n)
+    as_it_is, mixed = (
+        compute({name: xr.DataArray(v[at], dims="point") for name, v in line.items()}, "auto")
+        for at in (np.arange(n), shuffled)
+    )
+    for name in OF_POINT:
+        assert as_it_is[name][shuffled].tobytes() == mixed[name].tobytes(), name
+
+
 def check_against_scalar(
     swept: dict[str, xr.DataArray], model: str = "newton", column: hl.Column | None = None
 ) -> None:
