@@ -27,6 +27,11 @@ class Reader:
         self.refused: dict[str, None] = {}
         self.stages: list[Stage] = []
 
+    def continues(self, new: Stage) -> bool:
+        """Whether a run has the settings of the last stage."""
+        own = {name: getattr(new, name) for name in ("quote", "steps", "system", "contents")}
+        return bool(self.stages) and replace(self.stages[-1], **own) == new
+
     def longer(self, steps: int | None, contents: Contents) -> None:
         """Continue the last stage."""
         old = self.stages[-1]

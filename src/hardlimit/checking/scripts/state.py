@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Final, Self
 
 from ...support.formatting import listed
 from . import conditions, filling, motion, population
@@ -643,13 +643,7 @@ class State(Reader):
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
         self.note_friction(new.contacts)
-        same: dict[str, Any] = {
-            "quote": quote,
-            "steps": steps,
-            "system": new.system,
-            "contents": new.contents,
-        }
-        if self.stages and replace(self.stages[-1], **same) == new:
+        if self.continues(new):
             self.longer(steps, filling.contents(self, self.stages[-1]))
         else:
             self.stages.append(new)
@@ -1004,17 +998,13 @@ class State(Reader):
 
     def frozen(self, kind: int) -> bool:
         """Whether no contact changes the velocity of a grain of a type."""
-        integrated = False
-        integrators = [
-            fix
+        groups = [
+            self.members(fix.group)
             for fix in self.fixes.values()
             if fix.style.startswith(INTEGRATORS) and not fix.style.startswith(PRESCRIBED)
         ]
-        for fix in integrators:
-            group = self.members(fix.group)
-            integrated = integrated or group.types is None or kind in group.types
-        stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
-        return stopped or bool(integrators and not integrated)
+        integrated = not groups or any(group.types is None or kind in group.types for group in groups)
+        return not integrated or self.stopped("freeze", kind) or self.stopped("setforce", kind)
 
     def integrators_of(self, kind: int) -> list[Fix]:
         """The fixes that move grains of a type."""

@@ -557,12 +557,9 @@ class Yade(Reader, Evaluator):
         elif name in CLUMPS or name in OTHER_SHAPES:
             self.clumps(instance)
         elif name == "readParamsFromTable":
-            plain = {
-                key: value
-                for key, value in instance.attributes.items()
-                if key not in ("noTableOk", "unknownOk")
-            }
-            self.table |= {**plain, **{key: value for key, value in self.given.items() if key in plain}}
+            options = ("noTableOk", "unknownOk")
+            given = {key: self.given.get(key, value) for key, value in instance.attributes.items()}
+            self.table |= {key: value for key, value in given.items() if key not in options}
         else:
             return self.function(name, owner, instance)
         return instance
@@ -584,9 +581,7 @@ class Yade(Reader, Evaluator):
             )
         if name == "isinstance" and len(arguments) == 2 and (body := body_of(arguments[0])) is not None:
             kind = arguments[1].text.rpartition(".")[2] if isinstance(arguments[1], Unknown) else ""
-            return body.kind == {"Sphere": "sphere", "Facet": "facets", "Wall": "walls", "Box": "boxes"}.get(
-                kind
-            )
+            return SHAPE_NAMES.get(body.kind) == kind
         if name == "runningInBatch":
             return False
         root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""
@@ -722,17 +717,12 @@ class Yade(Reader, Evaluator):
         raise refusal(instance.line, instance.text, "have a known material", self.file)
 
     def body(self, instance: Instance, kind: str, radii: Range | None, place: int = -1) -> Body:
-        moves = instance.attributes.get("dynamic")
-        frozen = bool(instance.attributes.get("fixed") in (True, 1) or moves in (False, 0))
+        fixed, moves = (instance.attributes.get(name) for name in ("fixed", "dynamic"))
+        frozen = fixed in (True, 1) or moves in (False, 0)
         material = self.material_of(instance, place)
         quote, several = self.at(instance), self.repeats > 0
-        if "fixed" in instance.attributes or "dynamic" in instance.attributes:
-            known = all(
-                isinstance(instance.attributes.get(name, False), bool | int | None)
-                for name in ("fixed", "dynamic")
-            )
-            if not known:
-                self.unknown[quote] = None
+        if not all(isinstance(value, bool | int | None) for value in (fixed, moves)):
+            self.unknown[quote] = None
         return Body(
             kind=kind, radii=radii, material=material, frozen=frozen, quote=quote, mass=None, several=several
         )
@@ -953,11 +943,7 @@ class Yade(Reader, Evaluator):
             system=self.system,
         )
         new = replace(new, contents=self.contents(new))
-        if (
-            self.stages
-            and replace(self.stages[-1], quote=quote, steps=steps, system=self.system, contents=new.contents)
-            == new
-        ):
+        if self.continues(new):
             self.longer(steps, self.contents(self.stages[-1]))
         else:
             self.stages.append(new)
@@ -1075,10 +1061,8 @@ class Yade(Reader, Evaluator):
         if len(engines) != 1:
             return None
         (names, mask), engine = PRESSURES[engines[0].name], engines[0]
-        values, mask = (
-            flat([engine.attributes.get(name) for name in names]),
-            engine.attributes.get("stressMask", mask),
-        )
+        values = flat([engine.attributes.get(name) for name in names])
+        mask = engine.attributes.get("stressMask", mask)
         if engine.name == "PeriIsoCompressor":
             values, mask = values[-1:], 1
         if not isinstance(mask, int):
@@ -1176,7 +1160,8 @@ class Yade(Reader, Evaluator):
         """Pairs of materials, then walls, without damping if the law leaves it out."""
         undamped = [law for law in self.used("Law2_ScGeom_MindlinPhys_") if law.name in UNDAMPED_LAWS]
         moves = self.motion()
-        for contact in self.all_contacts():
+        functors = self.functors()
+        for contact in (*self.pairs_of_grains(functors), *self.contacts_with_walls(functors)):
             settings = contact.settings
             if undamped and settings["physics"].words[0] == "MindlinPhys":
                 law, en = undamped[-1], settings.get("en")
@@ -1185,12 +1170,6 @@ class Yade(Reader, Evaluator):
                 restitution = None if en is None else float(en.words[0])
                 contact = replace(contact, settings={**kept, "betan": zero}, asked=restitution)
             yield replace(contact, motion=moves)
-
-    def all_contacts(self) -> Iterator[ContactSettings]:
-        """The contacts, whose damping is that of the functor."""
-        functors = self.functors()
-        yield from self.pairs_of_grains(functors)
-        yield from self.contacts_with_walls(functors)
 
     def functors(self) -> dict[str, Instance]:
         """The functors that make contacts, by the material that they read."""
