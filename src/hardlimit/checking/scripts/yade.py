@@ -557,9 +557,9 @@ class Yade(Reader, Evaluator):
         elif name in CLUMPS or name in OTHER_SHAPES:
             self.clumps(instance)
         elif name == "readParamsFromTable":
-            options = ("noTableOk", "unknownOk")
-            given = {key: self.given.get(key, value) for key, value in instance.attributes.items()}
-            self.table |= {key: value for key, value in given.items() if key not in options}
+            for key, value in instance.attributes.items():
+                if key not in ("noTableOk", "unknownOk"):
+                    self.table[key] = self.given.get(key, value)
         else:
             return self.function(name, owner, instance)
         return instance
