@@ -12,9 +12,9 @@ import click
 
 from ..boxes import spins
 from ..boxes.error_law import MEASURED_TC_NU
-from ..checking import check as checked
 from ..checking import state_words
 from ..checking.answer import Question, given_by, judged, stiffness
+from ..checking.checking import check as checked
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
 from ..checking.friction_words import but_for_steps, words

@@ -9,9 +9,8 @@ from typing import Any
 
 import click
 
-from ..checking import convert_back
 from ..checking.friction_words import words
-from ..checking.reading_back import Obtained
+from ..checking.reading_back import Obtained, convert_back
 from ..checking.scripts import CODES
 from ..column.files import prefixed
 from ..contact.balls import FLOOR, Ball
