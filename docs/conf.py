@@ -1,3 +1,4 @@
+import importlib
 import inspect
 import re
 import shutil
@@ -50,7 +51,8 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120  # seconds for a cell
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
-sys.path.insert(0, str(Path(__file__).parent))  # gallery_figures
+sys.path.insert(0, str(Path(__file__).parent))  # gallery_figures, generate
+importlib.import_module("generate").write()
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "auto_gallery",

@@ -1,19 +1,15 @@
-"""The parts of the documentation that registries of the package state themselves, in docs/generated/.
+"""Write the parts of the documentation that registries of the package state themselves, to docs/generated/.
 
-python docs/generate.py            write them, from the installed package
-python docs/generate.py --check    write nothing; exit code 1 if a committed file is out of date
+``conf.py`` does this before each build.
 """
 
-import argparse
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 Record = Mapping[str, Any]
 FOLDER = Path(__file__).resolve().parent / "generated"
-NOTE = "<!-- written by docs/generate.py -->\n"
 
 
 def number(x: float) -> str:
@@ -78,7 +74,7 @@ def laws() -> str:
     from hardlimit import _core
 
     sections = [*(law_section(law) for law in _core.law_records()), friction_section(_core.friction_record())]
-    return NOTE + "\n" + "\n".join(sections)
+    return "\n".join(sections)
 
 
 def rules() -> str:
@@ -88,7 +84,7 @@ def rules() -> str:
     for rule in RULES.values():
         counted = ", ".join(f"`{name}`" for name in rule.counts)
         lines.append(f"| `{rule.name}` | {rule.meaning} | {rule.assumes} | {counted} | {rule.source} |")
-    return "\n".join([NOTE, *lines, ""])
+    return "\n".join([*lines, ""])
 
 
 def observables() -> str:
@@ -106,30 +102,20 @@ def observables() -> str:
         unit = unit.replace("m2/s2", "m²/s²")
         meaning = (record.meaning + KINDS[record.kind]).replace("|", "\\|")
         lines.append(f"| `{record.name}` | {unit} | {meaning} | {record.shape} | {shown} |")
-    return "\n".join([NOTE, *lines, ""])
+    return "\n".join([*lines, ""])
 
 
 FILES: dict[str, Callable[[], str]] = {"laws.md": laws, "rules.md": rules, "observables.md": observables}
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--check", action="store_true", help="compare, write nothing")
-    check = parser.parse_args().check
+def write() -> None:
+    """A file that does not change is left as it is, so that a second build reads it from its cache."""
     FOLDER.mkdir(exist_ok=True)
-    stale = []
     for name, content in FILES.items():
         path, text = FOLDER / name, content()
-        if check and (not path.exists() or path.read_text(encoding="utf-8") != text):
-            stale.append(name)
-        elif not check:
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
-    for name in stale:
-        print(f"docs/generated/{name} is out of date: run python docs/generate.py")
-    return 1 if stale else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    write()

@@ -105,6 +105,29 @@ def gathered(study: Study, runs: Sequence[Run]) -> xr.Dataset:
     return labelled(study.values, (*axes, "replica"), arrays).assign_coords(axes)
 
 
+def listed(
+    runs: Sequence[Run], known: Sequence[Any], models: Sequence[str], values: Mapping[str, tuple[str, str]]
+) -> xr.Dataset:
+    """The values over a list of named tuples, the models and the replicas; a run's point ends with its model."""
+    shape = len(known), len(models), 1 + max(run["replica"] for run in runs)
+    arrays = {name: np.full(shape, math.nan, np.float32) for name in values}
+    places = {tuple(point): i for i, point in enumerate(known)}
+    for run in runs:
+        *point, model = run["point"]
+        for name, value in run["values"].items():
+            at = places[tuple(point)], models.index(model), run["replica"]
+            arrays[name][at] = math.nan if value is None else value
+    columns = {name: ("point", [getattr(point, name) for point in known]) for name in known[0]._fields}
+    ds = labelled(values, ("point", "model", "replica"), arrays)
+    return ds.assign_coords(columns | {"model": list(models)})
+
+
+def points_of(ds: xr.Dataset, kind: Callable[..., Any]) -> list[Any]:
+    """The named tuples of :func:`listed`."""
+    columns = [ds[name].values.tolist() for name in kind._fields]
+    return [kind(*row) for row in zip(*columns, strict=True)]
+
+
 def labelled(
     meanings: Mapping[str, tuple[str, str]], dims: Sequence[str], arrays: Mapping[str, Any]
 ) -> xr.Dataset:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
@@ -57,7 +57,7 @@ TC_NU = {
     2: {0.05: (0.02,), 0.2: (0.1,), 0.4: (0.3,), 0.6: (0.3,), 0.7: (0.3,)},
 }
 RESTITUTION = {3: (0.99, 0.9, 0.8, 0.6, 0.4), 2: (0.99, 0.8, 0.6, 0.4)}
-#: The same for the viscoelastic law. For Tsuji's law, docs/error_law.md has means only.
+#: The same for the viscoelastic law.
 VISCOELASTIC = {3: {0.05: (0.03,), 0.2: (0.1,), 0.5: (0.3,)}, 2: {0.4: (0.3,)}}
 VISCOELASTIC_RESTITUTION = (0.95, 0.8, 0.6)
 
@@ -115,10 +115,12 @@ def law_of(point: Point, system: hl.ParticleSystem) -> hl.Law:
     ball = hl.Ball(RADIUS, density=DENSITY)
     if point.law == "linear":
         return driver.linear_law(point.restitution, ball, wanted)
-    material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "restitution": point.restitution}
-    tsuji = point.law == "tsuji"
-    law = hl.Tsuji(**material) if tsuji else hl.Viscoelastic(**material, impact_speed=speed)
+    law = viscoelastic(point.restitution, speed)
     return law.replace(youngs_modulus=1e7 * (law.between(ball, ball).duration(speed) / wanted) ** 2.5)
+
+
+def viscoelastic(restitution: float, speed: float) -> hl.Viscoelastic:
+    return hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, restitution=restitution, impact_speed=speed)
 
 
 def until(point: Point, system: hl.ParticleSystem, slower: float) -> float:
@@ -130,14 +132,12 @@ def until(point: Point, system: hl.ParticleSystem, slower: float) -> float:
 def measured(point: Point, system: hl.ParticleSystem, result: Any) -> dict[str, Any]:
     """Time, collisions and means over the window; empty if the run ended before."""
     series, begin = result.series, system.granular_temperature
-    time = series["time"].values
     total = 0.5 * point.dimension * float(system.mass.sum()) * begin
     y = np.sqrt(total / (total - series["dissipated_energy"].values))
     if not y[-1] >= point.energies[1]:
         return {}
-    began, ended = np.interp(point.energies, y, time)
-    middle, lasted = np.sqrt(y[1:] * y[:-1]), np.diff(time)
-    inside = np.clip(np.minimum(time[1:], ended) - np.maximum(time[:-1], began), 0.0, None)
+    inside, common = within(series, y, point.energies)
+    middle = np.sqrt(y[1:] * y[:-1])
 
     def mean(values: Any) -> float:
         return float(np.average(values, weights=inside))
@@ -145,15 +145,23 @@ def measured(point: Point, system: hl.ParticleSystem, result: Any) -> dict[str, 
     rate, pressure = (series[name].values[1:] for name in ("collision_rate", "pressure"))
     temperature = series["granular_temperature"].values
     ideal = float(system.mass.sum()) / float(np.prod(system.box)) * begin
-    hits = np.concatenate([[0.0], np.cumsum(rate * lasted)])
     return {
-        "duration": float(ended - began),
-        "collisions": float(np.diff(np.interp([began, ended], time, hits))[0]),
+        **common,
         "collision_rate": mean(rate * middle),  # at E(0)
         "pressure": mean(pressure * middle**2) / ideal,
         "temperature": mean(0.5 * (temperature[1:] + temperature[:-1]) * middle**2) / begin,
         "largest_compression": result.largest_compression,
     }
+
+
+def within(series: xr.Dataset, y: Any, ends: tuple[float, float]) -> tuple[Any, dict[str, float]]:
+    """The time of each sample inside the window, and duration and collisions between two values of y."""
+    time = series["time"].values
+    began, ended = np.interp(ends, y, time)
+    inside = np.clip(np.minimum(time[1:], ended) - np.maximum(time[:-1], began), 0.0, None)
+    hits = np.concatenate([[0.0], np.cumsum(series["collision_rate"].values[1:] * np.diff(time))])
+    collisions = float(np.diff(np.interp([began, ended], time, hits))[0])
+    return inside, {"duration": float(ended - began), "collisions": collisions}
 
 
 @cache
@@ -198,20 +206,14 @@ def gather(runs: list[driver.Run]) -> xr.Dataset:
     The runs of the rules constant and law, which do not depend on t_c ν, are those of the rule law at each t_c ν.
     """
     known = sorted({Point(*run["point"][:-1]) for run in runs if run["point"][-1] == "newton"})
-    shape = len(known), len(MODELS), 1 + max(run["replica"] for run in runs)
-    data = {name: np.full(shape, math.nan, np.float32) for name in MEASURED}
+    placed = []
     for run in runs:
         *of, model = run["point"]
         common = model in ("constant", "law")
-        j = MODELS.index("law" if common else model)
-        for i, point in enumerate(known):
+        for point in known:
             if point[:4] == tuple(of[:4]) and (common or point.tc_nu == of[4]):
-                for name in data:
-                    value = run["values"].get(name)
-                    data[name][i, j, run["replica"]] = math.nan if value is None else value
-    columns = {name: ("point", [getattr(point, name) for point in known]) for name in Point._fields}
-    ds = driver.labelled(MEASURED, ("point", "model", "replica"), data)
-    return ds.assign_coords(columns | {"model": list(MODELS)})
+                placed.append(run | {"point": (*point, "law" if common else model)})
+    return driver.listed(placed, known, MODELS, MEASURED)
 
 
 def mean_tc_nu(point: Point) -> float:
@@ -223,8 +225,7 @@ def mean_tc_nu(point: Point) -> float:
 
 
 def all_points(ds: xr.Dataset) -> list[Point]:
-    columns = [ds[name].values.tolist() for name in Point._fields]
-    return [Point(*row) for row in zip(*columns, strict=True)]
+    return driver.points_of(ds, Point)
 
 
 def ratio(ds: xr.Dataset, i: int, name: str, above: str, below: str) -> Estimate[float]:
@@ -364,6 +365,13 @@ RULE_LOOKS = {
 }
 #: The gas of the first panel of :func:`of_rules`.
 SHOWN = (3, 0.2, "linear", 0.9)
+DOTS: dict[str, Any] = {"ms": 4, "elinewidth": 0.9}
+
+
+def over_tc_nu(ds: xr.Dataset, gas: tuple[Any, ...], of: Callable[[int], Estimate[float]]) -> Any:
+    """t_c ν of the points of a gas, and a value of each with its standard error."""
+    rows = [(mean_tc_nu(point), *of(i)[:2]) for i, point in enumerate(all_points(ds)) if point[:4] == gas]
+    return np.reshape(rows, (-1, 3)).T
 
 
 def of_rules(ds: xr.Dataset) -> Figure:
@@ -382,22 +390,8 @@ def _rules_of_one_gas(ax: Axes, ds: xr.Dataset) -> None:
     for rule, (name, marker, label) in RULE_LOOKS.items():
         law = hl.error_law(packing_fraction=phi, restitution=epsilon, dimension=dimension, rule=rule)
         ax.plot(at, [100.0 * abs(law.error(float(x))) for x in at], c=PALETTE[name], lw=1.0)
-        points = [
-            (mean_tc_nu(point), *error_of_cooling(ds, i, rule)[:2])
-            for i, point in enumerate(all_points(ds))
-            if point[:4] == SHOWN
-        ]
-        x, value, error = np.reshape(points, (-1, 3)).T
-        ax.errorbar(
-            x,
-            100 * np.abs(value),
-            100 * error,
-            fmt=marker,
-            ms=4,
-            c=PALETTE[name],
-            elinewidth=0.9,
-            label=label,
-        )
+        x, value, error = over_tc_nu(ds, SHOWN, lambda i, rule=rule: error_of_cooling(ds, i, rule))
+        ax.errorbar(x, 100 * np.abs(value), 100 * error, fmt=marker, c=PALETTE[name], label=label, **DOTS)
     ax.plot(
         at,
         100.0 * (BERZI_JENKINS + 0.75 / dimension) * at,
@@ -426,22 +420,10 @@ def _cooling_under_tc(ax: Axes, ds: xr.Dataset) -> None:
     for phi, name, marker in looks:
         decay = hl.error_law(packing_fraction=phi, restitution=0.99, rule="tc").decay
         ax.plot(at, np.exp(-decay * at), c=PALETTE[name], lw=1.0)
-        points = [
-            (mean_tc_nu(point), *ratio(ds, i, "duration", "law", "tc")[:2])
-            for i, point in enumerate(all_points(ds))
-            if point[:4] == (3, phi, "linear", 0.99)
-        ]
-        x, value, error = np.reshape(points, (-1, 3)).T
-        ax.errorbar(
-            x,
-            1.0 + value,
-            error,
-            fmt=marker,
-            ms=4,
-            c=PALETTE[name],
-            elinewidth=0.9,
-            label=rf"$\phi$ = {phi:g}",
-        )
+        gas = (3, phi, "linear", 0.99)
+        x, value, error = over_tc_nu(ds, gas, lambda i: ratio(ds, i, "duration", "law", "tc"))
+        label = rf"$\phi$ = {phi:g}"
+        ax.errorbar(x, 1.0 + value, error, fmt=marker, c=PALETTE[name], label=label, **DOTS)
     ax.set_xlim(0.0, 0.33)
     ax.set_ylim(0.4, 1.02)
     ax.set_xlabel(r"$t_c\nu$")
@@ -456,7 +438,7 @@ def by_law(point: Point, rule: str) -> hl.ErrorLaw:
         restitution=point.restitution,
         dimension=point.dimension,
         rule=rule,
-        law=law_object(point.law),
+        law=None if point.law == "linear" else viscoelastic(0.9, 1.0),  # only its exponents matter
     )
 
 
@@ -496,14 +478,6 @@ def table(ds: xr.Dataset) -> str:
         what = f"{'spheres' if dimension == 3 else 'disks'}, {law_name}: φ"
         parts.append(driver.table(" | ".join([what, *(f"ε = {e:g}" for e in every)]), rows))
     return "\n\n".join(parts)
-
-
-def law_object(name: str) -> hl.Law | None:
-    """A law with the exponents of this one."""
-    if name == "linear":
-        return None
-    material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "restitution": 0.9}
-    return hl.Tsuji(**material) if name == "tsuji" else hl.Viscoelastic(**material, impact_speed=1.0)
 
 
 def beside(ds: xr.Dataset) -> str:

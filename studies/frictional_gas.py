@@ -208,27 +208,23 @@ def window(point: Point) -> Window:
 def measured(point: Point, system: hl.ParticleSystem, law: hl.Law, result: Any) -> dict[str, float]:
     """Time, collisions and means over the window; empty if the run ended before."""
     series, energies = result.series, window(point).energies
-    time = series["time"].values
     total = system.kinetic_energy + (system.rotational_energy if point.friction else 0.0)
     y = (1.0 - series["dissipated_energy"].values / total) ** -0.5
     first, last = (energy**-0.5 for energy in energies)
     if not y[-1] >= last:
         return {}
-    began, ended = np.interp([first, last], y, time)
-    inside = np.clip(np.minimum(time[1:], ended) - np.maximum(time[:-1], began), 0.0, None)
+    inside, common = smooth.within(series, y, (first, last))
 
     def mean(values: Any) -> float:
         return float(np.average(0.5 * (values[1:] + values[:-1]), weights=inside))
 
     temperature = series["granular_temperature"].values
-    hits = np.concatenate([[0.0], np.cumsum(series["collision_rate"].values[1:] * np.diff(time))])
     gas = gas_of(system)
     ball = hl.Ball(smooth.RADIUS, density=smooth.DENSITY)
     duration = law.between(ball, ball).duration(np.sqrt(math.pi * temperature))
     spinning = series["rotational_temperature"].values if point.friction else np.zeros_like(temperature)
     return {
-        "duration": float(ended - began),
-        "collisions": float(np.diff(np.interp([began, ended], time, hits))[0]),
+        **common,
         "mean_tc_nu": mean(duration * gas.collision_rate(temperature)),
         "temperature_ratio": mean(spinning / temperature),
         "largest_compression": result.largest_compression,
@@ -275,20 +271,11 @@ def gather(runs: list[driver.Run]) -> xr.Dataset:
     known.sort(
         key=lambda point: (-point.dimension, point.law, point.packing_fraction, -point.restitution, point.rho)
     )
-    shape = len(known), len(MODELS), 1 + max(run["replica"] for run in runs)
-    data = {name: np.full(shape, math.nan, np.float32) for name in MEASURED}
-    for run in runs:
-        at = known.index(Point(*run["point"][:-1])), MODELS.index(run["point"][-1]), run["replica"]
-        for name, value in run["values"].items():
-            data[name][at] = math.nan if value is None else value
-    columns = {name: ("point", [getattr(point, name) for point in known]) for name in Point._fields}
-    ds = driver.labelled(MEASURED, ("point", "model", "replica"), data)
-    return ds.assign_coords(columns | {"model": list(MODELS)})
+    return driver.listed(runs, known, MODELS, MEASURED)
 
 
 def all_points(ds: xr.Dataset) -> list[Point]:
-    columns = [ds[name].values.tolist() for name in Point._fields]
-    return [Point(*row) for row in zip(*columns, strict=True)]
+    return driver.points_of(ds, Point)
 
 
 class Control(NamedTuple):
@@ -348,13 +335,12 @@ def theory_of(point: Point, phi: float | None = None) -> hl.ErrorLaw:
     ratio, linear = point.rho / KAPPA[point.dimension], point.law == "linear"
     model = "spring" if linear else "mindlin_rescale"
     friction = hl.Friction(point.friction, stiffness_ratio=ratio, damping_ratio=point.damping, model=model)
-    elastic = {"youngs_modulus": 1e7, "poisson_ratio": 0.3, "impact_speed": 1.0}
     return hl.error_law(
         packing_fraction=phi or point.packing_fraction,
         restitution=point.restitution,
         dimension=point.dimension,
         rule="law",
-        law=None if linear else hl.Viscoelastic(restitution=point.restitution, **elastic),
+        law=None if linear else smooth.viscoelastic(point.restitution, 1.0),
         friction=friction,
         temperature_ratio=point.start,
     )
@@ -396,14 +382,8 @@ def _over_packing(ds: xr.Dataset, ax: Axes) -> None:
                 ax.errorbar(
                     at.packing_fraction, a.value, a.error, color=PALETTE[name], marker=marker, ms=4, lw=0.8
                 )
-        ax.plot(
-            [],
-            [],
-            color=PALETTE[name],
-            marker=marker,
-            ms=4,
-            label=f"μ = {mu:g}, ρ = {rho:g}" if mu else "smooth",
-        )
+        label = f"μ = {mu:g}, ρ = {rho:g}" if mu else "smooth"
+        ax.plot([], [], color=PALETTE[name], marker=marker, ms=4, label=label)
     ax.axhline(0.0, color=GREY, lw=0.6)
     ax.set(
         xscale="log",

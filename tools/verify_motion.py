@@ -21,24 +21,6 @@ import recorded
 import scipy
 from verify_states import CODES, SCRIPTS, Lammps, Script
 
-#: A square of two by two.
-PLATE: Final = """solid plate
-facet normal 0 0 1
-outer loop
-vertex 0 0 0
-vertex 2 0 0
-vertex 2 2 0
-endloop
-endfacet
-facet normal 0 0 1
-outer loop
-vertex 0 0 0
-vertex 2 2 0
-vertex 0 2 0
-endloop
-endfacet
-endsolid plate
-"""
 #: Facets of a cylinder.
 FACETS: Final = 48
 #: Lines that make YADE print where the plate is.
@@ -101,7 +83,7 @@ def plate_in_lammps(code: Lammps) -> dict[str, float]:
 
 def plate_in_liggghts(code: Lammps) -> dict[str, float]:
     """From the corners of the mesh, in cgs units."""
-    (code.folder / "plate.stl").write_text(PLATE)
+    (code.folder / "plate.stl").write_text(recorded.floor(2.0, 1.0))
     code.run(code.text.replace("run 100000", "dump mesh all mesh/stl 500 plate_*.txt\nrun 60000"))
     steps, places = [], []
     for path in code.folder.glob("plate_*.txt"):

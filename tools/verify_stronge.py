@@ -8,12 +8,11 @@ outputs of its function, in its signs: both velocities are negative before the c
 1 and 4. With a restitution below 1 its normal force is not ours: its stiffness is larger by 1/ε² while the bodies part.
 """
 
-import csv
 import math
-import sys
 from importlib.metadata import version
 
 import numpy as np
+import recorded
 from pooltool.physics.resolve.stronge_compliant import (
     resolve_collinear_compliant_frictional_inelastic_collision as resolve,
 )
@@ -29,25 +28,24 @@ COLUMNS = [
 ]
 
 
-def main(path: str) -> None:
+def main() -> None:
+    arguments = recorded.command_line(__doc__).parse_args()
     r = np.random.default_rng(1)
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(COLUMNS)
-        for _ in range(200):
-            friction, q, speed = (
-                r.uniform(0.02, 1.2),
-                r.choice([0.4, 0.5, 2 / 3, r.uniform(0.1, 1.0)]),
-                r.uniform(0.1, 10.0),
-            )
-            kappa = 1 + 1 / q
-            ratio = r.uniform(1.001, 1.999) ** 2 / kappa
-            slip = math.exp(r.uniform(math.log(0.003), math.log(4.0))) * kappa * friction * speed
-            after, _ = resolve(-slip, -speed, 1.0, kappa, 1.0, friction, 1.0, 1.0, 1 / ratio)
-            table.writerow(
-                [version("pooltool-billiards"), *map(float, (friction, q, ratio, -slip, -speed, after))]
-            )
+    rows = []
+    for _ in range(200):
+        friction, q, speed = (
+            r.uniform(0.02, 1.2),
+            r.choice([0.4, 0.5, 2 / 3, r.uniform(0.1, 1.0)]),
+            r.uniform(0.1, 10.0),
+        )
+        kappa = 1 + 1 / q
+        ratio = r.uniform(1.001, 1.999) ** 2 / kappa
+        slip = math.exp(r.uniform(math.log(0.003), math.log(4.0))) * kappa * friction * speed
+        after, _ = resolve(-slip, -speed, 1.0, kappa, 1.0, friction, 1.0, 1.0, 1 / ratio)
+        numbers = map(float, (friction, q, ratio, -slip, -speed, after))
+        rows.append(dict(zip(COLUMNS, (version("pooltool-billiards"), *numbers), strict=True)))
+    recorded.write(arguments.file, COLUMNS, rows)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()

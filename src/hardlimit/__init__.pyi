@@ -53,8 +53,8 @@ from .boxes.thermostats import RandomKicks as RandomKicks
 from .boxes.walls import MovingWall as MovingWall
 from .stacks import Stack as Stack
 from .stacks import stack as stack
-from .checking import check as check
-from .checking import convert_back as convert_back
+from .checking.checking import check as check
+from .checking.reading_back import convert_back as convert_back
 from .boxes.error_law import ErrorLaw as ErrorLaw
 from .boxes.error_law import error_law as error_law
 from .checking.result import Verdict as Verdict

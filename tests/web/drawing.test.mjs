@@ -10,6 +10,7 @@ const lib = await load(
   "film",
   "forces",
   "map_drawing",
+  "pen",
   "plot",
   "presets",
   "rebound_plot",
@@ -326,7 +327,8 @@ test("rebound heights: no curve runs through a number where there is room beside
 test("map: the numbers below it stand clear of each other, on a telephone too", () => {
   for (const w of [290, 340, 520, 900]) {
     const g = new Canvas();
-    lib.drawCounts(g, { left: 60, top: 30, width: w - 70, height: 300 }, 15, true, 400, Math.max(w / 42, 13), theme);
+    const pen = new lib.Pen(g, theme, Math.max(w / 42, 13));
+    lib.drawCounts(pen, { left: 60, top: 30, width: w - 70, height: 300 }, 15, true, 400);
     const texts = g.drawn.filter((x) => x.kind === "text");
     assert.equal(texts.at(-1).text, "15+");
     texts.forEach((b, i) =>

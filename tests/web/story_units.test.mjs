@@ -16,6 +16,7 @@ const lib = await load(
   "link",
   "map_box",
   "map_drawing",
+  "pen",
   "plot",
   "trust",
   "presets",
@@ -577,7 +578,7 @@ test("the map: both sides of the line have names, clear of it and of the mark, i
       const f = { left: 60, top: 30, width: w - 80, height: h - 100 };
       const x = new lib.Scale(0.05, 1, f.left, f.left + f.width);
       const y = new lib.Scale(1e-6, 1e-2, f.top + f.height, f.top, true);
-      lib.drawTrust(g, { points, tolerance: 0.01 }, x, y, f, theme, size, mark);
+      lib.drawTrust(new lib.Pen(g, theme, size), { points, tolerance: 0.01 }, x, y, f, mark);
       const { above, below, none } = lib.regionNames(points, 0.01);
       const texts = g.drawn.filter(({ kind }) => kind === "text");
       const where = `${gapAt}, ${w} × ${h}, mark ${mark}`;

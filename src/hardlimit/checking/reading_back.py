@@ -8,7 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
-from ..convert.codes import Code, Model, code
+from ..contact.balls import Ball, Floor
+from ..convert.codes import Code, Model
+from ..convert.codes import code as code_of
 from ..convert.conversion import pair_of, stepping_of
 from ..convert.force import MAX_SPEED, MIN_SPEED, AdhesiveForce, Force
 from ..convert.formulas import Numbers
@@ -60,19 +62,65 @@ class Obtained:
         return {**plain, **named, "friction": self.friction.to_dict()}
 
 
-def obtained(
-    text: Any,
-    ball: Any,
-    other: Any,
-    name: Any,
-    model: Any,
-    speed: Any,
-    restitution_error: Any,
-    time_step: Any,
-    contact: Any,
+def convert_back(
+    text: str,
+    ball: Ball,
+    other: Ball | Floor | None = None,
+    *,
+    code: str,
+    model: str | None = None,
+    speed: float = 1.0,
+    restitution_error: float | None = None,
+    time_step: float | None = None,
+    contact: str | None = None,
 ) -> Obtained:
-    """As :func:`hardlimit.convert_back`."""
-    source = code(validation.one_of("code", name, CODES))
+    """Compute the restitution that an input of a code really produces.
+
+    ``restitution_error`` and ``time_step`` are those of :func:`convert`.
+
+    Parameters
+    ----------
+    text : str
+        Lines of input, such as ``convert(…).text``.
+    ball : Ball
+    other : Ball or FLOOR, optional
+        The other body; by default another ``ball``.
+    code : str
+        "lammps", "liggghts" or "yade".
+    model : str, optional
+        Name of the contact model; by default it is found in the input.
+    speed : float [m/s]
+        Impact speed.
+    contact : str, optional
+        Selects a contact if the input has several with different forces: ``"1-2"`` or ``"1-wall"`` by types, or
+        ``"1-floor"`` by the name of a wall, as listed in the error message. Types of YADE are materials by their
+        labels, or by their numbers from 1.
+
+    Returns
+    -------
+    Obtained
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, the input has no model of the code or several, a statement that affects a
+        contact is not understood (quoted with its line), or contacts have different forces and none is selected.
+
+    Notes
+    -----
+    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The text is
+    read as by :func:`check`, at its last run; nothing in it is executed. A part of a script is enough, such as the
+    lines that :func:`convert` writes, and is in SI units unless it sets others. YADE's numerical damping d multiplies
+    decelerating forces by 1 + d and accelerating forces by 1 − d; an elastic contact then gives √((1 − d)/(1 + d)).
+
+    Examples
+    --------
+    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
+    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
+    >>> round(found.restitution, 4)
+    0.7182
+    """
+    source = code_of(validation.one_of("code", code, CODES))
     second = ball if other is None else other
     wall = pair_of(ball, second, 1, 1).wall
     if not isinstance(text, str):

@@ -12,9 +12,9 @@ import click
 
 from ..boxes import spins
 from ..boxes.error_law import MEASURED_TC_NU
-from ..checking import check as checked
 from ..checking import state_words
 from ..checking.answer import Question, given_by, judged, stiffness
+from ..checking.checking import check as checked
 from ..checking.contacts import CheckedContact
 from ..checking.expectation import ACCEPTED
 from ..checking.friction_words import but_for_steps, words
@@ -30,6 +30,7 @@ from .options import (
     law_options,
     options,
     quantity_option,
+    quantity_options,
     spelled,
     take_friction,
     take_law,
@@ -49,7 +50,15 @@ CODES = ("lammps", "liggghts", "yade")
 #: A corrected time step without a reason of its own.
 OWN_STEP = re.compile(r"(timestep|O\.dt = )(?!.*  # (?!\w+ units))")
 #: Options whose names are not those of their arguments.
-OPTIONS = {"variables": "--var"}
+OPTIONS = {"variables": "--var", "shear_rate": "--shear"}
+#: Arguments beside a script or numbers, and those of which only one may be given.
+EXCLUSIVE = (("speed", "power", "shear_rate"), ("pressure", "height"))
+CONDITIONS = (
+    "dump",
+    "packing_fraction",
+    "restitution_error",
+    *(name for names in EXCLUSIVE for name in names),
+)
 #: Largest number of rows without ``--verbose``.
 MAX_ROWS = 8
 #: Most findings in a list, and most characters of each, without ``--verbose``.
@@ -94,19 +103,15 @@ script_options = options(
     ),
     quantity_option("--power", unit="W", help="Heating power of each grain [W] instead of the speed."),
     quantity_option("--shear", "shear_rate", unit="1/s", help="Shear rate [1/s] instead of the speed."),
-    quantity_option("--packing-fraction", unit="1", help="Packing fraction φ, instead of that of the dump."),
-    quantity_option(
-        "--pressure",
-        unit="Pa",
-        help="Pressure on grains at rest [Pa]; as in the script if it is in lj units.",
-    ),
-    quantity_option(
-        "--height", unit="m", help="Height of the bed [m], instead of the pressure at its bottom."
-    ),
-    quantity_option(
-        "--restitution-error",
-        unit="1",
-        help="Error of ε that a time step may cause: that of the corrected lines.  [default: 0.001]",
+    quantity_options(
+        ("--packing-fraction", "1", "Packing fraction φ, instead of that of the dump."),
+        ("--pressure", "Pa", "Pressure on grains at rest [Pa]; as in the script if it is in lj units."),
+        ("--height", "m", "Height of the bed [m], instead of the pressure at its bottom."),
+        (
+            "--restitution-error",
+            "1",
+            "Error of ε that a time step may cause: that of the corrected lines.  [default: 0.001]",
+        ),
     ),
     click.option(
         "--var",
@@ -126,10 +131,12 @@ script_options = options(
     ),
 )
 number_options = options(
-    quantity_option("--radius", unit="m", help="Radius [m] of the grains, if the script has none."),
-    quantity_option("--density", unit="kg/m3", help="Density [kg/m³] of the grains, if the script has none."),
-    quantity_option("--mass", unit="kg", help="Mass [kg] of a grain instead of the density."),
-    quantity_option("--time-step", unit="s", help="Time step [s] to check, instead of the script's."),
+    quantity_options(
+        ("--radius", "m", "Radius [m] of the grains, if the script has none."),
+        ("--density", "kg/m3", "Density [kg/m³] of the grains, if the script has none."),
+        ("--mass", "kg", "Mass [kg] of a grain instead of the density."),
+        ("--time-step", "s", "Time step [s] to check, instead of the script's."),
+    ),
     click.option("--dimension", type=click.Choice(["2", "3"]), help="Solid disks or spheres.  [default: 3]"),
 )
 
@@ -143,38 +150,19 @@ number_options = options(
 @click.option("--strict", is_flag=True, help="Exit with code 1 if the answer is no.")
 @click.option("--verbose", is_flag=True, help="Print everything: each speed, all rules, quoted lines.")
 @json_option()
-def check(
-    file: str | None,
-    strict: bool,
-    verbose: bool,
-    as_json: bool,
-    dump: str | None,
-    speed: tuple[float, float] | None,
-    power: float | None,
-    shear_rate: float | None,
-    packing_fraction: float | None,
-    pressure: float | None,
-    height: float | None,
-    restitution_error: float | None,
-    variables: dict[str, str],
-    code: str | None,
-    version: str | None,
-    **numbers: Any,
-) -> None:
+def check(file: str | None, strict: bool, verbose: bool, as_json: bool, **numbers: Any) -> None:
     """Check what a script's contacts do, and if events may replace it.
 
     Reads a script or, better, a log of LAMMPS, LIGGGHTS or YADE; nothing in it is executed. For each pair of types and
     each wall, it prints the restitution that the code really gives, the duration, the steps per contact with the error
     that they cause, and the error of event-driven cooling. Without a file, it checks numbers.
     """
-    conditions: dict[str, Any] = {"dump": dump, "speed": speed, "packing_fraction": packing_fraction}
-    if sum(value is not None for value in (speed, power, shear_rate)) > 1:
-        raise ValueError("--speed | --power | --shear: must be at most one of them")
-    conditions |= {"power": power, "shear_rate": shear_rate, "restitution_error": restitution_error}
-    if pressure is not None and height is not None:
-        raise ValueError("--pressure | --height: must be at most one of them")
-    conditions |= {"pressure": pressure, "height": height}
-    scripted: dict[str, Any] = {"code": code, "version": version, "variables": variables}
+    conditions = {name: numbers.pop(name) for name in CONDITIONS}
+    for names in EXCLUSIVE:
+        if sum(conditions[name] is not None for name in names) > 1:
+            options = " | ".join(OPTIONS.get(name, spelled(name)) for name in names)
+            raise ValueError(f"{options}: must be at most one of them")
+    scripted = {name: numbers.pop(name) for name in ("code", "version", "variables")}
     if file is None:
         verdict = from_numbers(numbers, scripted, conditions)
     else:

@@ -9,9 +9,8 @@ from typing import Any
 
 import click
 
-from ..checking import convert_back
 from ..checking.friction_words import words
-from ..checking.reading_back import Obtained
+from ..checking.reading_back import Obtained, convert_back
 from ..checking.scripts import CODES
 from ..column.files import prefixed
 from ..contact.balls import FLOOR, Ball
@@ -21,7 +20,7 @@ from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, Mo
 from ..convert.wanted import LAWS
 from ..support import validation
 from ..support.formatting import digits, length, listed, quantity
-from .options import json_option, options, quantity_option
+from .options import json_option, options, quantity_options
 from .printing import console, print_json, sentence, show, table
 from .program import Command
 
@@ -67,48 +66,35 @@ TANGENTIAL = {
 ANGLES = (0, 30, 45, 60, 80)
 
 bed = options(
-    quantity_option(
-        "--radius",
-        "radii",
-        unit="m",
-        multiple=True,
-        help="Radius of a ball [m]; repeat it for each size of a bed.",
+    quantity_options(
+        ("--radius", "m", "Radius of a ball [m]; repeat it for each size of a bed.", "radii"),
+        ("--density", "kg/m3", "Density [kg/m³]; repeat it for each size if they differ.", "densities"),
+        ("--mass", "kg", "Mass [kg] instead of the density.", "masses"),
     ),
-    quantity_option(
-        "--density",
-        "densities",
-        unit="kg/m3",
-        multiple=True,
-        help="Density [kg/m³]; repeat it for each size if they differ.",
-    ),
-    quantity_option("--mass", "masses", unit="kg", multiple=True, help="Mass [kg] instead of the density."),
     click.option("--wall/--no-wall", default=None, help="Include contacts with a wall.  [default: yes]"),
 )
 contact_options = options(
-    quantity_option("--restitution", unit="1", help="Desired restitution ε."),
-    quantity_option("--friction", unit="1", help="Coefficient of friction μ.  [default: smooth grains]"),
-    quantity_option(
-        "--tangential-restitution",
-        unit="1",
-        help="Desired tangential restitution β0 in a gas, with --friction.",
-    ),
-    quantity_option("--speed", unit="m/s", help="Impact speed at which ε is desired [m/s].  [default: 1]"),
-    quantity_option("--stiffness", unit="N/m", help="Stiffness of a linear spring [N/m]."),
-    quantity_option(
-        "--youngs-modulus", unit="Pa", help="Young's modulus of the material [Pa], instead of the stiffness."
-    ),
-    quantity_option(
-        "--poisson-ratio", unit="1", help="Poisson's ratio of the material, together with the modulus."
-    ),
-    quantity_option("--duration", unit="s", help="Duration of each contact [s], instead of the stiffness."),
-    quantity_option(
-        "--compression", unit="m", help="Largest compression in a contact [m], instead of the stiffness."
+    quantity_options(
+        ("--restitution", "1", "Desired restitution ε."),
+        ("--friction", "1", "Coefficient of friction μ.  [default: smooth grains]"),
+        ("--tangential-restitution", "1", "Desired tangential restitution β0 in a gas, with --friction."),
+        ("--speed", "m/s", "Impact speed at which ε is desired [m/s].  [default: 1]"),
+        ("--stiffness", "N/m", "Stiffness of a linear spring [N/m]."),
+        ("--youngs-modulus", "Pa", "Young's modulus of the material [Pa], instead of the stiffness."),
+        ("--poisson-ratio", "1", "Poisson's ratio of the material, together with the modulus."),
+        ("--duration", "s", "Duration of each contact [s], instead of the stiffness."),
+        ("--compression", "m", "Largest compression in a contact [m], instead of the stiffness."),
     ),
     click.option(
         "--law",
         type=click.Choice(list(LAWS)),
         help="Contact law: linear, or Hertz with either damping.  [default: tsuji with a modulus, else linear]",
     ),
+)
+#: Options that an input sets.
+SET_BY_INPUT = (
+    *("restitution", "stiffness", "youngs_modulus", "poisson_ratio", "duration", "compression", "law"),
+    *("friction", "tangential_restitution"),
 )
 
 
@@ -141,10 +127,10 @@ code_options = options(
         metavar="NAME",
         help="Contact to evaluate if the input has several, such as 1-2 or 1-wall.",
     ),
-    quantity_option(
-        "--restitution-error", unit="1", help="Error of ε that the time step may cause.  [default: 0.001]"
+    quantity_options(
+        ("--restitution-error", "1", "Error of ε that the time step may cause.  [default: 0.001]"),
+        ("--time-step", "s", "Time step [s] for which to compute the error of ε."),
     ),
-    quantity_option("--time-step", unit="s", help="Time step [s] for which to compute the error of ε."),
 )
 
 
@@ -223,17 +209,7 @@ def input_text(text: str | None, read: str | None) -> str:
 
 def back(text: str, balls: list[Ball], wall: bool | None, params: dict[str, Any]) -> Obtained:
     """The contact that an input gives for one or two balls, or with ``--wall`` for a ball and a wall."""
-    for name in (
-        "restitution",
-        "stiffness",
-        "youngs_modulus",
-        "poisson_ratio",
-        "duration",
-        "compression",
-        "law",
-        "friction",
-        "tangential_restitution",
-    ):
+    for name in SET_BY_INPUT:
         if params[name] is not None:
             raise ValueError(f"{name}: got {params[name]}, must be left out with input, which sets it")
     if params["code"] is None:

@@ -187,14 +187,14 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
         values = np.asarray(values)
         dims = (dims,) if isinstance(dims, str) else dims
         files = tuple(min(n, LABELS_OF_FILE) for n in values.shape)
-        array = _make_array(
-            group=group,
-            name=name,
-            dims=dims,
+        array = group.create_array(
+            name,
             shape=values.shape,
-            files=files,
+            chunks=files,
             dtype=str(values.dtype),
-            fill=0,
+            fill_value=0,
+            compressors=_compressors(str(values.dtype)),
+            dimension_names=dims,
             attributes=attributes,
         )
         array[...] = values
@@ -205,14 +205,14 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
             attributes["flag_meanings"] += " not_computed"
         dims, shape = (*computation.dims, *variable.dims), (*computation.shape, *variable.shape)
         box, dtype = (*chunks.box_shape, *variable.shape), variable.stored or variable.dtype
-        _make_array(
-            group=group,
-            name=name,
-            dims=dims,
+        group.create_array(
+            name,
             shape=shape,
-            files=box,
+            chunks=box,
             dtype=dtype,
-            fill=variable.not_computed,
+            fill_value=variable.not_computed,
+            compressors=_compressors(dtype),
+            dimension_names=dims,
             attributes=attributes,
         )
     with warnings.catch_warnings():  # xarray needs consolidated metadata, for which Zarr's format 3 warns
@@ -220,30 +220,12 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
         zarr.consolidate_metadata(store)
 
 
-def _make_array(
-    group: zarr.Group,
-    name: str,
-    dims: tuple[str, ...],
-    shape: tuple[int, ...],
-    files: tuple[int, ...],
-    dtype: str,
-    fill: float,
-    attributes: dict[str, Any],
-) -> zarr.Array[Any]:
-    """A new array. Counts and codes compress a hundredfold; the last bits of a velocity are noise."""
+def _compressors(dtype: str) -> list[Any]:
+    """Counts and codes compress a hundredfold; the last bits of a velocity are noise."""
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
     packed = [] if dtype in ("float64", "int64") else [ZstdCodec(level=1)]
-    return group.create_array(
-        name,
-        shape=shape,
-        chunks=files,
-        dtype=dtype,
-        fill_value=fill,
-        compressors=[*packed, Crc32cCodec()],
-        dimension_names=dims,
-        attributes=attributes,
-    )
+    return [*packed, Crc32cCodec()]
 
 
 def _attributes(computation: Computation, chunks: Chunks) -> dict[str, Any]:

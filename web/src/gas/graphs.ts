@@ -2,7 +2,8 @@
 // temperature of the rotation; the distance of the worlds; the share of overlapping contacts.
 import { divergenceOf } from "./divergence";
 import { digits, logTicks, minus, niceTicks } from "../support/format";
-import { drawAxes, fontSize, grown, Scale, setFont, timeTicks, timeUnit, type Frame } from "../support/plot";
+import { Pen, type Frame } from "../support/pen";
+import { drawAxes, fontSize, grown, Scale, timeTicks, timeUnit } from "../support/plot";
 import { measureOf, type Facts } from "./facts";
 import { INTERVALS, type OneStart } from "./starts";
 import { at, cooling, differenceAt, predictedAt, remembered, spread, surplusAt, type Estimate } from "./statistics";
@@ -296,70 +297,37 @@ export function drawGraph(
   const x = new Scale(0, end, frame.left, frame.left + frame.width);
   const y = plot.y(frame.top, frame.top + frame.height);
   const [factor, unit] = timeUnit(end);
+  const pen = new Pen(g, theme, size);
   drawAxes(
-    g,
+    pen,
     frame,
     x,
     y,
     timed ? { ...timeTicks(x, 0, factor, frame.width / (5 * size)), title: `time, ${unit}` } : null,
     { ticks: plot.ticks(y), name: plot.name, title: plot.title },
-    theme,
-    size,
   );
-  g.save();
-  g.beginPath();
-  g.rect(frame.left, frame.top, frame.width, frame.height);
-  g.clip();
   // A logarithmic axis has no place for 0.
   const across = (value: number): number => y.at(y.log ? Math.max(value, y.low) : value);
-  for (const { points, color } of plot.bands ?? []) {
-    g.globalAlpha = 0.16;
-    g.fillStyle = color;
-    g.beginPath();
-    for (const [t, value] of points) g.lineTo(x.at(t), across(value));
-    g.fill();
-    g.globalAlpha = 1;
-  }
-  const k = grown(size);
-  for (const { points, color, width: line, dash } of plot.curves) {
-    g.strokeStyle = color;
-    g.lineWidth = line * k;
-    g.setLineDash(dash);
-    g.beginPath();
-    let down = false;
-    for (const [t, value] of points) {
-      if (!Number.isFinite(value) || !Number.isFinite(t)) down = false;
-      else if (down) g.lineTo(x.at(t), across(value));
-      else {
-        g.moveTo(x.at(t), across(value));
-        down = true;
-      }
-    }
-    g.stroke();
-  }
-  g.setLineDash([]);
-  g.restore();
-  const drawn = plot.curves.flatMap(({ points }) => points.map(([t, value]) => [x.at(t), across(value)]));
-  named(g, plot, frame, theme, size, drawn);
+  const pixels = (points: [number, number][]): [number, number][] =>
+    points.map(([t, value]) => [x.at(t), across(value)]);
+  const curves = plot.curves.map((curve) => ({ ...curve, points: pixels(curve.points) }));
+  pen.within(frame, () => {
+    for (const { points, color } of plot.bands ?? []) pen.area(pixels(points), color, 0.16);
+    for (const { points, color, width, dash } of curves) pen.curve(points, color, width * grown(size), dash);
+  });
+  named(pen, curves, frame);
 }
 
 // Legend in the corner with the fewest drawn points, which it covers.
-function named(
-  g: CanvasRenderingContext2D,
-  plot: Plot,
-  frame: Frame,
-  theme: GasTheme,
-  size: number,
-  drawn: number[][],
-): void {
-  const curves = plot.curves.filter(({ name }) => name);
+function named(pen: Pen, all: Curve[], frame: Frame): void {
+  const { theme, size } = pen;
+  const drawn = all.flatMap(({ points }) => points);
+  const curves = all.filter(({ name }) => name);
   const dash = 1.9 * size;
   const room = frame.width - dash - 1.9 * size;
-  const width = (): number => Math.max(0, ...curves.map(({ name }) => g.measureText(name!).width));
-  setFont(g, theme, size, 600);
-  if (width() > room) setFont(g, theme, (size * room) / width(), 600);
-  g.textAlign = "left";
-  g.textBaseline = "middle";
+  const width = (): number => Math.max(0, ...curves.map(({ name }) => pen.widthOf(name!)));
+  pen.font(1, 600);
+  if (width() > room) pen.font(room / width(), 600);
   const widest = width() + dash + 0.5 * size;
   const height = (1.3 * curves.length + 0.3) * size;
   const corners = [frame.left + frame.width - widest - 0.6 * size, frame.left + 0.8 * size].flatMap((left) =>
@@ -370,23 +338,10 @@ function named(
   );
   const fewest = Math.min(...crossed);
   const { left, top } = corners[crossed.indexOf(fewest)];
-  if (fewest > 0) {
-    g.globalAlpha = 0.8;
-    g.fillStyle = theme.ground;
-    g.fillRect(left - 0.3 * size, top, widest + 0.6 * size, height);
-    g.globalAlpha = 1;
-  }
+  if (fewest > 0) pen.veil(left - 0.3 * size, top, widest + 0.6 * size, height, theme.ground, 0.8);
   curves.forEach(({ name, color, dash: pattern, width }, i) => {
     const at = top + (0.8 + 1.3 * i) * size;
-    g.fillStyle = color;
-    g.fillText(name!, left + dash + 0.5 * size, at);
-    g.strokeStyle = color;
-    g.lineWidth = width;
-    g.setLineDash(pattern);
-    g.beginPath();
-    g.moveTo(left, at);
-    g.lineTo(left + dash, at);
-    g.stroke();
-    g.setLineDash([]);
+    pen.text(name!, left + dash + 0.5 * size, at, color);
+    pen.line(left, at, left + dash, at, color, width, pattern);
   });
 }

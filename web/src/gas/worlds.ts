@@ -1,6 +1,7 @@
 // Draws the disks of one simulation.
 import { colorOf, type Theme } from "../style/theme";
 import type { Sheet } from "../support/dom";
+import { Pen, type Frame } from "../support/pen";
 import { Disks } from "./disks";
 import type { Seen, Start } from "./simulation";
 import { RADIUS } from "./setting";
@@ -33,9 +34,10 @@ export class WorldView {
     g.clearRect(0, 0, width, height);
     this.drawDisks(start, seen, pixels, theme);
     this.disks.draw(g, left * ratio, top * ratio);
-    const square = { left, top, side };
-    drawSpokes(g, start, seen, square, theme);
-    drawLinks(g, start, seen, square, theme);
+    const pen = new Pen(g, theme, 0); // writes nothing
+    const box: Frame = { left, top, width: side, height: side };
+    drawSpokes(pen, start, seen, box);
+    drawLinks(pen, start, seen, box);
     const { walls } = start.setting;
     g.lineWidth = walls ? 4 : 1.5;
     g.strokeStyle = walls ? theme.ink : theme.muted;
@@ -69,57 +71,46 @@ export class WorldView {
   }
 }
 
-// The box on the canvas.
-interface Square {
-  left: number;
-  top: number;
-  side: number;
-}
-
 // Draws one path in the box, with lines of a width relative to the radius of the disks on the screen. `place`: of a
 // disk on the screen.
 function drawLines(
-  g: CanvasRenderingContext2D,
+  pen: Pen,
   start: Start,
   { positions }: Seen,
-  { left, top, side }: Square,
-  theme: GasTheme,
+  box: Frame,
   width: (r: number) => number,
   trace: (place: (i: number) => [number, number], r: number) => void,
 ): void {
+  const { left, top, height: side } = box;
   const scale = side / start.input.edge;
   const r = RADIUS * scale;
-  g.save();
-  g.beginPath();
-  g.rect(left, top, side, side);
-  g.clip();
-  g.beginPath();
-  trace((i) => [left + scale * positions[2 * i], top + side - scale * positions[2 * i + 1]], r);
-  g.lineWidth = width(r);
-  g.strokeStyle = theme.ink;
-  g.stroke();
-  g.restore();
+  const place = (i: number): [number, number] => [
+    left + scale * positions[2 * i],
+    top + side - scale * positions[2 * i + 1],
+  ];
+  pen.within(box, () => pen.stroked(pen.theme.ink, width(r), [], () => trace(place, r)));
 }
 
 // A radius of each disk that turns.
-function drawSpokes(g: CanvasRenderingContext2D, start: Start, seen: Seen, square: Square, theme: GasTheme): void {
+function drawSpokes(pen: Pen, start: Start, seen: Seen, box: Frame): void {
   if (seen.angles.length === 0) return;
   const width = (r: number): number => Math.max(1, 0.16 * r);
-  drawLines(g, start, seen, square, theme, width, (place, r) =>
+  drawLines(pen, start, seen, box, width, (place, r) =>
     seen.angles.forEach((angle, i) => {
       const [x, y] = place(i);
-      g.moveTo(x, y);
-      g.lineTo(x + r * Math.cos(angle), y - r * Math.sin(angle));
+      pen.g.moveTo(x, y);
+      pen.g.lineTo(x + r * Math.cos(angle), y - r * Math.sin(angle));
     }),
   );
 }
 
 // Lines between the centres of disks whose contacts overlap in time.
-function drawLinks(g: CanvasRenderingContext2D, start: Start, seen: Seen, square: Square, theme: GasTheme): void {
+function drawLinks(pen: Pen, start: Start, seen: Seen, box: Frame): void {
+  const { g } = pen;
   const { links } = seen;
-  const { side } = square;
+  const side = box.width;
   const width = (r: number): number => Math.max(1.5, 0.3 * r);
-  drawLines(g, start, seen, square, theme, width, (place, r) => {
+  drawLines(pen, start, seen, box, width, (place, r) => {
     g.lineCap = "round";
     for (let k = 0; k < links.length; k += 2) {
       const [x0, y0] = place(links[k]);

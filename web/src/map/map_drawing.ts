@@ -1,6 +1,7 @@
 // A map as a picture: its points, axes, names of the regions, the present setting and the legend.
 import { digits, logTicks, niceTicks, takesPrefix, withUnit } from "../support/format";
-import { drawAxes, fontSize, grown, Scale, setFont, stroke, type AxisText, type Frame } from "../support/plot";
+import { Pen, type Frame } from "../support/pen";
+import { drawAxes, fontSize, grown, Scale, type AxisText } from "../support/plot";
 import {
   countColor,
   css,
@@ -45,6 +46,7 @@ export interface MapLayout {
 export function drawMap(g: CanvasRenderingContext2D, w: number, h: number, p: MapPicture, theme: Theme): MapLayout {
   g.clearRect(0, 0, w, h);
   const size = fontSize(w);
+  const pen = new Pen(g, theme, size);
   const left = 4.6 * size;
   const legend = 1.9 * size;
   const f: Frame = { left, top: 2.2 * size, width: w - left - 0.8 * size, height: h - 5.6 * size - legend };
@@ -54,21 +56,18 @@ export function drawMap(g: CanvasRenderingContext2D, w: number, h: number, p: Ma
   g.imageSmoothingEnabled = false;
   g.fillStyle = theme.faint;
   g.fillRect(f.left, f.top, f.width, f.height);
-  g.save();
-  g.beginPath();
-  g.rect(f.left, f.top, f.width, f.height);
-  g.clip();
-  for (const { sheet, box } of p.layers) {
-    const [left, right, low, high] = [x.at(box.x[0]), x.at(box.x[1]), y.at(box.y[0]), y.at(box.y[1])];
-    g.drawImage(sheet, left, high, right - left, low - high);
-  }
-  if (p.labels.length > 0) drawLabels(g, x, y, p, theme, size);
-  if (p.agreement) drawTrust(g, p.agreement, x, y, f, theme, size, p.mark);
-  g.restore();
+  pen.within(f, () => {
+    for (const { sheet, box } of p.layers) {
+      const [left, right, low, high] = [x.at(box.x[0]), x.at(box.x[1]), y.at(box.y[0]), y.at(box.y[1])];
+      g.drawImage(sheet, left, high, right - left, low - high);
+    }
+    if (p.labels.length > 0) drawLabels(pen, x, y, p);
+    if (p.agreement) drawTrust(pen, p.agreement, x, y, f, p.mark);
+  });
   const most = f.width / (5 * size);
-  drawAxes(g, f, x, y, textOf(p, across, x, most), textOf(p, axis, y, f.height / (3 * size)), theme, size, false);
-  drawMark(g, f, x, y, p, grown(size));
-  drawLegend(g, f, h - legend, p, show, theme, size);
+  drawAxes(pen, f, x, y, textOf(p, across, x, most), textOf(p, axis, y, f.height / (3 * size)), false);
+  pen.within(f, () => drawMark(pen, f, x, y, p));
+  drawLegend(pen, f, h - legend, p, show);
   return { x, y, frame: f };
 }
 
@@ -84,17 +83,8 @@ function textOf({ scenario }: MapPicture, axis: MapAxis, scale: Scale, wanted: n
   };
 }
 
-function drawLabels(
-  g: CanvasRenderingContext2D,
-  x: Scale,
-  y: Scale,
-  { labels, layers, map }: MapPicture,
-  theme: Theme,
-  size: number,
-): void {
-  setFont(g, theme, 1.15 * size, 700);
-  g.textAlign = "center";
-  g.textBaseline = "middle";
+function drawLabels(pen: Pen, x: Scale, y: Scale, { labels, layers, map }: MapPicture): void {
+  pen.font(1.15, 700);
   const { box } = layers[layers.length - 1];
   const across = new Scale(box.x[0], box.x[1], 0, 1, x.log);
   const up = new Scale(box.y[0], box.y[1], 0, 1, y.log);
@@ -105,38 +95,32 @@ function drawLabels(
     const name = verdict ? verdictNames[n] : n === 1 ? "1 contact" : `${n} contacts`;
     // The whole name where its region has room for it.
     const room = 1.8 * share * (x.at(box.x[1]) - x.at(box.x[0]));
-    const fits = g.measureText(name).width < room;
+    const fits = pen.widthOf(name) < room;
     if (!fits && verdict) continue;
-    g.fillStyle = inkOn(color);
-    g.fillText(fits ? name : String(n), x.at(across.value(right)), y.at(up.value(high)));
+    pen.text(fits ? name : String(n), x.at(across.value(right)), y.at(up.value(high)), inkOn(color), "center");
   }
 }
 
-function drawMark(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, p: MapPicture, large: number): void {
-  g.save();
-  g.beginPath();
-  g.rect(f.left, f.top, f.width, f.height);
-  g.clip();
+function drawMark(pen: Pen, f: Frame, x: Scale, y: Scale, p: MapPicture): void {
+  const large = grown(pen.size);
   // Gap 0 has no place on a logarithmic axis.
   const px = p.mark[0] > 0 ? x.at(p.mark[0]) : f.left + 1;
   const py = p.mark[1] > 0 ? y.at(p.mark[1]) : f.top + f.height - 1;
   const { axis, across } = p.map;
-  for (const [color, width] of [
+  for (const [color, thick] of [
     ["#ffffff", 5],
     ["#14161a", 2],
   ] as const) {
-    g.strokeStyle = color;
-    g.lineWidth = 0.5 * width * large; // equal radii
-    if (axis === "ratio" && y.low < 1 && y.high > 1) stroke(g, f.left, y.at(1), f.left + f.width, y.at(1));
-    if (across === "ratio" && x.low < 1 && x.high > 1) stroke(g, x.at(1), f.top, x.at(1), f.top + f.height);
-    g.lineWidth = width * large;
-    stroke(g, px - 11 * large, py, px + 11 * large, py);
-    stroke(g, px, py - 11 * large, px, py + 11 * large);
-    g.beginPath();
-    g.arc(px, py, 6 * large, 0, 2 * Math.PI);
-    g.stroke();
+    const width = thick * large;
+    const line = (x0: number, y0: number, x1: number, y1: number, share = 1): void =>
+      pen.line(x0, y0, x1, y1, color, share * width);
+    // equal radii
+    if (axis === "ratio" && y.low < 1 && y.high > 1) line(f.left, y.at(1), f.left + f.width, y.at(1), 0.5);
+    if (across === "ratio" && x.low < 1 && x.high > 1) line(x.at(1), f.top, x.at(1), f.top + f.height, 0.5);
+    line(px - 11 * large, py, px + 11 * large, py);
+    line(px, py - 11 * large, px, py + 11 * large);
+    pen.stroked(color, width, [], () => pen.g.arc(px, py, 6 * large, 0, 2 * Math.PI));
   }
-  g.restore();
 }
 
 const legendNames: Record<MapShow, string> = {
@@ -161,38 +145,23 @@ export function mapInWords(show: MapShow, greatest: number, agreement: Agreement
 }
 
 // The name of the colours, the scale, and what is beside it.
-function drawLegend(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  top: number,
-  p: MapPicture,
-  show: MapShow,
-  theme: Theme,
-  size: number,
-): void {
-  setFont(g, theme, 0.95 * size);
-  g.fillStyle = theme.ink;
-  g.textAlign = "left";
-  g.textBaseline = "top";
-  g.fillText(legendNames[show], f.left, f.top + f.height + 7 + 1.3 * size);
-  g.textBaseline = "middle";
+function drawLegend(pen: Pen, f: Frame, top: number, p: MapPicture, show: MapShow): void {
+  const { g, theme, size } = pen;
+  pen.font(0.95);
+  pen.text(legendNames[show], f.left, f.top + f.height + 7 + 1.3 * size, theme.ink, "left", "top");
   const swatches = swatchesOf(p, show);
-  const width = (name: string): number => 2.2 * size + g.measureText(name).width;
+  const width = (name: string): number => 2.2 * size + pen.widthOf(name);
   const beside = swatches.reduce((sum, [name]) => sum + width(name), 0);
   let at = f.left;
   if (show === "count") {
     const last = Math.min(MOST_COUNTED, Math.max(p.greatest, 4));
-    at =
-      drawCounts(g, { ...f, width: f.width - beside }, last, p.greatest > MOST_COUNTED, top, size, theme) + 0.6 * size;
-  } else if (show !== "verdict")
-    at = drawRatios(g, f.left, Math.min(15 * size, f.width - beside - 3 * size), top, size, theme);
-  setFont(g, theme, 0.95 * size);
-  g.textAlign = "left";
+    at = drawCounts(pen, { ...f, width: f.width - beside }, last, p.greatest > MOST_COUNTED, top) + 0.6 * size;
+  } else if (show !== "verdict") at = drawRatios(pen, f.left, Math.min(15 * size, f.width - beside - 3 * size), top);
+  pen.font(0.95);
   for (const [name, color] of swatches) {
     g.fillStyle = css(color);
     g.fillRect(at, top, 1.2 * size, 1.5 * size);
-    g.fillStyle = theme.ink;
-    g.fillText(name, at + 1.5 * size, top + 0.75 * size);
+    pen.text(name, at + 1.5 * size, top + 0.75 * size, theme.ink);
     at += width(name);
   }
 }
@@ -209,47 +178,31 @@ function swatchesOf({ kinds, highest }: MapPicture, show: MapShow): [string, Rgb
 }
 
 // From 0 to 1; returns where it ends.
-function drawRatios(
-  g: CanvasRenderingContext2D,
-  left: number,
-  width: number,
-  top: number,
-  size: number,
-  theme: Theme,
-): number {
+function drawRatios(pen: Pen, left: number, width: number, top: number): number {
+  const { g, theme, size } = pen;
   const height = 1.5 * size;
   for (let i = 0; i < width; i++) {
     g.fillStyle = css(ratioColor(i / width));
     g.fillRect(left + 1.2 * size + i, top, 1.5, height);
   }
-  g.fillStyle = theme.ink;
-  g.fillText("0", left, top + height / 2);
-  g.fillText("1", left + width + 1.6 * size, top + height / 2);
+  pen.text("0", left, top + height / 2, theme.ink);
+  pen.text("1", left + width + 1.6 * size, top + height / 2, theme.ink);
   return left + width + 3.2 * size;
 }
 
 // The colour legend up to `last`; open: the last field also stands for larger counts. Returns where it ends.
-export function drawCounts(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  last: number,
-  open: boolean,
-  top: number,
-  size: number,
-  theme: Theme,
-): number {
+export function drawCounts(pen: Pen, f: Frame, last: number, open: boolean, top: number): number {
+  const { g, size } = pen;
   const height = 1.5 * size;
   const width = Math.min(2.4 * size, f.width / (last + (open ? 1.6 : 1)));
-  setFont(g, theme, Math.min(0.95 * size, 0.6 * width), 600);
-  g.textAlign = "center";
-  g.textBaseline = "middle";
+  pen.font(Math.min(0.95, (0.6 * width) / size), 600);
   for (let n = 0; n <= last; n++) {
     const more = open && n === last;
     const own = (more ? 1.6 : 1) * width;
+    const [left, middle] = [f.left + n * width, top + height / 2 + 1];
     g.fillStyle = css(countColor(n));
-    g.fillRect(f.left + n * width, top, own + 0.5, height);
-    g.fillStyle = inkOn(countColor(n));
-    g.fillText(more ? `${n}+` : String(n), f.left + n * width + 0.5 * own, top + height / 2 + 1);
+    g.fillRect(left, top, own + 0.5, height);
+    pen.text(more ? `${n}+` : String(n), left + 0.5 * own, middle, inkOn(countColor(n)), "center");
   }
   return f.left + (last + (open ? 1.6 : 1)) * width;
 }

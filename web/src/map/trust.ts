@@ -5,8 +5,8 @@ import { inPercent } from "../scenario/tolerance";
 import { digits, withUnit } from "../support/format";
 import { columnOf, copyOf, type Scenario } from "../scenario/scenario";
 import { observed } from "../state/signals";
-import type { Theme } from "../style/theme";
-import { grown, setFont, type Frame, type Scale } from "../support/plot";
+import type { Frame, Pen } from "../support/pen";
+import { grown, type Scale } from "../support/plot";
 
 export interface TrustPoint {
   restitution: number;
@@ -96,37 +96,28 @@ export function regionsInWords(points: TrustPoint[], tolerance: number): string 
 }
 
 export function drawTrust(
-  g: CanvasRenderingContext2D,
+  pen: Pen,
   { points, tolerance }: Pick<Agreement, "points" | "tolerance">,
   x: Scale,
   y: Scale,
   f: Frame,
-  theme: Theme,
-  size: number,
   mark: [number, number],
 ): void {
   const shown = points.filter((p) => p.restitution >= x.low && p.restitution <= x.high);
   const parts = partsOf(points, x, y);
-  drawParts(g, parts, size);
-  setFont(g, theme, 1.05 * size, 700);
-  g.textAlign = "center";
-  g.textBaseline = "middle";
-  g.lineWidth = 5;
-  g.lineJoin = "round";
-  g.strokeStyle = "#14161a";
-  g.fillStyle = "#ffffff";
+  drawParts(pen, parts);
+  pen.font(1.05, 700);
   const { above, below, none } = regionNames(shown, tolerance);
-  const places = placesIn(f, 1.7 * size, parts.flat(), [x.at(mark[0]), y.at(mark[1])]);
+  const places = placesIn(f, 1.7 * pen.size, parts.flat(), [x.at(mark[0]), y.at(mark[1])]);
   for (const [names, side] of [
     [above, "above"],
     [below, "below"],
     [none, "middle"],
   ] as const)
     for (const name of names) {
-      const at = places(g.measureText(name).width + size, side);
+      const at = places(pen.widthOf(name) + pen.size, side);
       if (!at) continue;
-      g.strokeText(name, ...at);
-      g.fillText(name, ...at);
+      pen.label(name, ...at, "#ffffff", "center", "middle", "#14161a");
       break;
     }
 }
@@ -143,7 +134,7 @@ function partsOf(points: TrustPoint[], x: Scale, y: Scale): Pixel[][] {
   return parts.map((part) => (part.length === 1 ? [-half, half].map((by) => [part[0][0] + by, part[0][1]]) : part));
 }
 
-function drawParts(g: CanvasRenderingContext2D, parts: Pixel[][], size: number): void {
+function drawParts({ g, size }: Pen, parts: Pixel[][]): void {
   for (const [color, width] of [
     ["#14161a", 6],
     ["#ffffff", 3],

@@ -7,28 +7,27 @@ import { nameOfBall } from "../scenario/measured";
 import { capital, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 import { niceTicks } from "../support/format";
-import { halo } from "../support/labels";
-import { drawAxes, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "../support/plot";
+import { diamond, Pen, type Frame } from "../support/pen";
+import { drawAxes, forceUnit, grown, Scale, timeTicks, timeUnit } from "../support/plot";
+import { drawPush } from "../views/forces";
 
 type Canvas = CanvasRenderingContext2D;
 
-function drawTime(g: Canvas, f: Frame, x: Scale, y: Scale | null, title: string, theme: Theme, size: number): void {
+function drawTime(pen: Pen, f: Frame, x: Scale, y: Scale | null, title: string): void {
   const [factor, unit] = timeUnit(x.high - x.low);
   const peak = y?.high ?? 0;
-  const [force, forceUnit] = peak >= 1e3 ? [1e-3, "kN"] : peak >= 1 ? [1, "N"] : [1e3, "mN"];
+  const [force, nameOfForce] = forceUnit(peak);
   drawAxes(
-    g,
+    pen,
     f,
     x,
     y ?? new Scale(0, 1, f.top + f.height, f.top),
-    { ...timeTicks(x, 0, factor, f.width / (5.5 * size)), title: `${title} (${unit})` },
+    { ...timeTicks(x, 0, factor, f.width / (5.5 * pen.size)), title: `${title} (${unit})` },
     {
-      ticks: y ? niceTicks(0, peak / 1.1, Math.max(2, f.height / (2.4 * size))) : [],
+      ticks: y ? niceTicks(0, peak / 1.1, Math.max(2, f.height / (2.4 * pen.size))) : [],
       name: (v) => String(Number((v * force).toPrecision(6))),
-      title: y ? `push of the floor (${forceUnit})` : "",
+      title: y ? `push of the floor (${nameOfForce})` : "",
     },
-    theme,
-    size,
   );
 }
 
@@ -41,48 +40,40 @@ export function drawLone(g: Canvas, w: number, h: number, lone: LoneBall | null,
   const x = new Scale(-margin, lone.end + margin, f.left, f.left + f.width);
   const most = lone.force.reduce((a, b) => Math.max(a, b), 0);
   const y = new Scale(0, 1.1 * most, f.top + f.height, f.top);
-  drawTime(g, f, x, y, "time after the first touch", theme, size);
-  g.beginPath();
-  g.moveTo(x.at(0), y.at(0));
-  lone.times.forEach((t, i) => g.lineTo(x.at(t), y.at(lone.force[i])));
-  g.lineTo(x.at(lone.end), y.at(0));
-  g.globalAlpha = 0.16;
-  g.fillStyle = theme.pairs[0];
-  g.fill();
-  g.globalAlpha = 1;
-  g.strokeStyle = theme.pairs[0];
-  g.lineWidth = Math.max(2.5, size / 7);
-  g.stroke();
+  const pen = new Pen(g, theme, size);
+  drawTime(pen, f, x, y, "time after the first touch");
+  drawPush(pen, x, y, lone.times, lone.force, theme.pairs[0]);
   const longest = 0.62 * f.height;
   const foot = f.top + f.height - 0.6 * size;
-  drawSpeed(g, x.at(-0.5 * margin), foot - longest, foot, speed(lone.arrives), theme, size);
+  drawSpeed(pen, x.at(-0.5 * margin), foot - longest, foot, speed(lone.arrives));
   const after = (longest * lone.leaves) / lone.arrives;
-  drawSpeed(g, x.at(lone.end + 0.5 * margin), foot, foot - after, speed(lone.leaves), theme, size);
-  setFont(g, theme, size, 650);
-  g.textAlign = "center";
-  g.textBaseline = "bottom";
-  halo(g, `contact: ${duration(lone.end)}`, x.at(0.5 * lone.end), f.top + f.height - 0.5 * size, theme.ink, theme);
+  drawSpeed(pen, x.at(lone.end + 0.5 * margin), foot, foot - after, speed(lone.leaves));
+  pen.font(1, 650);
+  const name = `contact: ${duration(lone.end)}`;
+  pen.label(name, x.at(0.5 * lone.end), f.top + f.height - 0.5 * size, theme.ink, "center", "bottom");
 }
 
-function drawSpeed(g: Canvas, x: number, from: number, to: number, text: string, theme: Theme, size: number): void {
+function drawSpeed(pen: Pen, x: number, from: number, to: number, text: string): void {
+  const { size } = pen;
+  const color = pen.theme.newton;
   const head = Math.min(0.6 * size, 0.5 * Math.abs(to - from)) * Math.sign(to - from);
-  g.strokeStyle = g.fillStyle = theme.newton;
-  g.lineWidth = 0.3 * size;
-  stroke(g, x, from, x, to - head);
-  g.beginPath();
-  g.moveTo(x, to);
-  g.lineTo(x - 0.45 * size, to - 1.5 * head);
-  g.lineTo(x + 0.45 * size, to - 1.5 * head);
-  g.fill();
-  setFont(g, theme, size, 600);
-  g.textAlign = "center";
-  g.textBaseline = "bottom";
-  halo(g, text, x, Math.min(from, to) - 0.3 * size, theme.newton, theme);
+  pen.line(x, from, x, to - head, color, 0.3 * size);
+  pen.area(
+    [
+      [x, to],
+      [x - 0.45 * size, to - 1.5 * head],
+      [x + 0.45 * size, to - 1.5 * head],
+    ],
+    color,
+  );
+  pen.font(1, 600);
+  pen.label(text, x, Math.min(from, to) - 0.3 * size, color, "center", "bottom");
 }
 
 // A bar for each contact by Newton's equations, and a mark for each collision of the textbook.
 export function drawOverlap(g: Canvas, w: number, h: number, d: Drop, theme: Theme, size: number): void {
   g.clearRect(0, 0, w, h);
+  const pen = new Pen(g, theme, size);
   const { balls, cradle } = d.scenario;
   const pairs = balls.map((_, j) => j).slice(cradle ? 1 : 0);
   const f: Frame = { left: 0.8 * size, top: 2 * size, width: w - 1.8 * size, height: h - 5.2 * size };
@@ -93,9 +84,9 @@ export function drawOverlap(g: Canvas, w: number, h: number, d: Drop, theme: The
     .filter((c) => c.begin <= last)
     .map((c) => ({ ...c, begin: c.begin - d.origin, end: (Number.isFinite(c.end) ? c.end : d.to) - d.origin }));
   const row = (f.height - 1.4 * size) / pairs.length; // below the words “at the same time”
-  shadeBoth(g, f, x, contacts, theme, size);
-  drawTime(g, f, x, null, `time after the first ${cradle ? "contact" : "floor touch"}`, theme, size);
-  drawLegend(g, f, theme, size);
+  shadeBoth(pen, f, x, contacts);
+  drawTime(pen, f, x, null, `time after the first ${cradle ? "contact" : "floor touch"}`);
+  drawLegend(pen, f);
   pairs.forEach((pair, i) => {
     const middle = f.top + f.height - (i + 0.38) * row;
     const thick = Math.min(0.3 * row, 1.6 * size);
@@ -104,11 +95,10 @@ export function drawOverlap(g: Canvas, w: number, h: number, d: Drop, theme: The
       g.fillRect(x.at(c.begin), middle - 0.5 * thick, Math.max(x.at(c.end) - x.at(c.begin), 2), thick);
     }
     for (const c of d.icm.run.contacts.slice(0, 200))
-      if (c.pair === pair && c.begin <= d.icm.run.last) drawInstant(g, x, c.begin - d.origin, middle, size, theme, f);
-    setFont(g, theme, Math.min(size, 0.3 * row), 600);
-    g.textAlign = "left";
-    g.textBaseline = "bottom";
-    halo(g, nameOfPair(d, pair), f.left + 0.6 * size, middle - 0.5 * thick - 0.15 * size, theme.ink, theme);
+      if (c.pair === pair && c.begin <= d.icm.run.last) drawInstant(pen, x, c.begin - d.origin, middle, f);
+    pen.font(Math.min(1, (0.3 * row) / size), 600);
+    const bottom = middle - 0.5 * thick - 0.15 * size;
+    pen.label(nameOfPair(d, pair), f.left + 0.6 * size, bottom, theme.ink, "left", "bottom");
   });
 }
 
@@ -119,14 +109,8 @@ function nameOfPair({ scenario: { balls } }: Drop, pair: number): string {
 }
 
 // Where two contacts last at the same time.
-function shadeBoth(
-  g: Canvas,
-  f: Frame,
-  x: Scale,
-  contacts: { begin: number; end: number }[],
-  theme: Theme,
-  size: number,
-): void {
+function shadeBoth(pen: Pen, f: Frame, x: Scale, contacts: { begin: number; end: number }[]): void {
+  const { g, theme, size } = pen;
   let widest: [number, number] = [0, 0];
   g.fillStyle = theme.faint;
   for (const [i, a] of contacts.slice(0, 200).entries())
@@ -136,25 +120,17 @@ function shadeBoth(
       g.fillRect(from, f.top, to - from, f.height);
       if (to - from > widest[1] - widest[0]) widest = [from, to];
     }
-  setFont(g, theme, size, 650);
+  pen.font(1, 650);
   const text = "at the same time";
-  if (widest[1] - widest[0] < g.measureText(text).width + size) return;
-  g.fillStyle = theme.muted;
-  g.textAlign = "right";
-  g.textBaseline = "top";
-  g.fillText(text, widest[1] - 0.5 * size, f.top + 0.4 * size);
+  if (widest[1] - widest[0] < pen.widthOf(text) + size) return;
+  pen.text(text, widest[1] - 0.5 * size, f.top + 0.4 * size, theme.muted, "right", "top");
 }
 
-function drawInstant(g: Canvas, x: Scale, t: number, y: number, size: number, theme: Theme, f: Frame): void {
+function drawInstant(pen: Pen, x: Scale, t: number, y: number, f: Frame): void {
   const at = x.at(t);
   if (at < f.left || at > f.left + f.width) return;
-  const half = 0.55 * size;
-  g.beginPath();
-  g.moveTo(at, y - half);
-  g.lineTo(at + half, y);
-  g.lineTo(at, y + half);
-  g.lineTo(at - half, y);
-  g.closePath();
+  const { g, theme, size } = pen;
+  diamond(g, at, y, 0.55 * size);
   g.fillStyle = theme.ground;
   g.fill();
   g.strokeStyle = theme.icm;
@@ -162,14 +138,10 @@ function drawInstant(g: Canvas, x: Scale, t: number, y: number, size: number, th
   g.stroke();
 }
 
-function drawLegend(g: Canvas, f: Frame, theme: Theme, size: number): void {
-  setFont(g, theme, size, 650);
-  g.textBaseline = "bottom";
-  g.textAlign = "left";
-  g.fillStyle = theme.newton;
-  const short = f.width < 26 * size;
-  g.fillText(short ? newton.short : newton.label, f.left, f.top - 6);
-  g.textAlign = "right";
-  g.fillStyle = theme.icm;
-  g.fillText(short ? "◇ textbook (ICM)" : "◇ textbook (ICM): an instant", f.left + f.width, f.top - 6);
+function drawLegend(pen: Pen, f: Frame): void {
+  pen.font(1, 650);
+  const short = f.width < 26 * pen.size;
+  pen.text(short ? newton.short : newton.label, f.left, f.top - 6, pen.theme.newton, "left", "bottom");
+  const textbook = short ? "◇ textbook (ICM)" : "◇ textbook (ICM): an instant";
+  pen.text(textbook, f.left + f.width, f.top - 6, pen.theme.icm, "right", "bottom");
 }

@@ -4,8 +4,7 @@ import type { Drop } from "../core/drop";
 import { Sheet } from "../support/dom";
 import { metres, niceTicks, withUnit } from "../support/format";
 import { drawBall, filled, Line, outlined } from "../views/ball";
-import { halo } from "../support/labels";
-import { setFont, stroke } from "../support/plot";
+import { Pen } from "../support/pen";
 import { nameOfBall } from "../scenario/measured";
 import { massOf, releaseHeight } from "../scenario/scenario";
 import { independent, newton } from "../scenario/tables";
@@ -46,15 +45,16 @@ export function drawPrediction(
   theme: Theme,
 ): PredictionLayout {
   g.clearRect(0, 0, whole, h);
+  const pen = new Pen(g, theme, size);
   const room = !t.falling && whole > 39 * size; // space for an enlarged picture of the balls
   const w = room ? 0.52 * whole : whole;
-  if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
+  if (room) drawPortrait(pen, t.drop, w + 2 * size, whole - w - 2 * size, h);
   const floor = h - 2.4 * size;
   const top = rulerTop(t.drop, t.guess, t.falling);
   const scale = (floor - 1.2 * size) / top;
   const left = 3.4 * size;
   const promptHeight = 0.55 * top;
-  drawRuler(g, left, w, floor, scale, top, size, theme);
+  drawRuler(pen, left, w, floor, scale, top);
   const lanes = t.falling ? 2 : 1;
   const lane = (w - left) / lanes;
   const columns: ["newton" | "icm", string, Balls][] = [
@@ -67,15 +67,12 @@ export function drawPrediction(
   const level = floor - release * scale;
   // A mark of a height, with its number above, would cross the label.
   const crossed = t.reached.some((z) => Math.abs(floor - z * scale - level + 0.1 * size) < 1.7 * size);
-  drawLevel(g, left, w, level, label, theme.muted, [2, 5], 1.5, size, theme, "left", crossed);
+  drawLevel(pen, left, w, level, label, theme.muted, [2, 5], 1.5, "left", crossed);
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
     if (t.falling) {
-      setFont(g, theme, 1.05 * size, 650);
-      g.textAlign = "center";
-      g.textBaseline = "middle";
-      g.fillStyle = theme[model];
-      g.fillText(name, middle, floor + 1.3 * size);
+      pen.font(1.05, 650);
+      pen.text(name, middle, floor + 1.3 * size, theme[model], "center");
     }
     const line = new Line(g, false, floor, middle);
     line.balls(t.drop.scenario.balls, balls.position, scale, leastRadius, (i) =>
@@ -83,14 +80,10 @@ export function drawPrediction(
     );
     const z = t.reached[k];
     if (t.falling && Number.isFinite(z)) {
-      g.strokeStyle = theme[model];
-      g.lineWidth = Math.max(3, size / 6);
       const y = floor - z * scale;
-      stroke(g, middle - 0.3 * lane, y, middle + 0.3 * lane, y);
-      setFont(g, theme, 1.5 * size, 700);
-      g.textAlign = "center";
-      g.textBaseline = "bottom";
-      const wide = g.measureText(metres(z)).width + 0.6 * size; // covers the lines of the ruler behind the number
+      pen.line(middle - 0.3 * lane, y, middle + 0.3 * lane, y, theme[model], Math.max(3, size / 6));
+      pen.font(1.5, 700);
+      const wide = pen.widthOf(metres(z)) + 0.6 * size; // covers the lines of the ruler behind the number
       // Beside the ball, where the lane has room for it; otherwise above the ball.
       const radius = Math.max(t.drop.scenario.balls.at(-1)!.radius * scale, leastRadius);
       const beside = radius + 0.6 * wide;
@@ -102,47 +95,25 @@ export function drawPrediction(
       const bottom = crossed ? y + lift + 2 * size : Math.max(y - lift, 1.8 * size);
       g.fillStyle = theme.ground;
       g.fillRect(at - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
-      g.fillStyle = theme[model];
-      g.fillText(metres(z), at, bottom);
+      pen.text(metres(z), at, bottom, theme[model], "center", "bottom");
     }
   });
   if (t.guess === null && !t.falling && !Sheet.printing) {
-    setFont(g, theme, 1.1 * size, 650);
-    g.textAlign = "center";
-    g.textBaseline = "middle";
-    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - promptHeight * scale, theme.ink, theme);
+    pen.font(1.1, 650);
+    pen.label("↕ drag: my guess", left + 0.5 * (w - left), floor - promptHeight * scale, theme.ink);
   }
   if (t.guess !== null) {
     const level = floor - t.guess * scale;
     const marked = t.falling && t.reached.some((z) => Math.abs(level - size - (floor - z * scale)) < 1.1 * size);
-    drawLevel(
-      g,
-      left,
-      w,
-      level,
-      `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`,
-      theme.ink,
-      [],
-      3,
-      size,
-      theme,
-      "right",
-      marked,
-    );
+    const name = `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`;
+    drawLevel(pen, left, w, level, name, theme.ink, [], 3, "right", marked);
   }
   return { floor, scale, left, right: w, promptHeight };
 }
 
 // The balls at a common scale, with their names.
-function drawPortrait(
-  g: CanvasRenderingContext2D,
-  d: Drop,
-  x: number,
-  w: number,
-  h: number,
-  size: number,
-  theme: Theme,
-): void {
+function drawPortrait(pen: Pen, d: Drop, x: number, w: number, h: number): void {
+  const { theme, size } = pen;
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);
   const wide = Math.max(...balls.map((b) => b.radius));
@@ -153,59 +124,38 @@ function drawPortrait(
   balls.forEach((b, i) => {
     const radius = b.radius * scale;
     const center = bottom - radius;
-    drawBall(g, middle, center, radius, filled(theme, i, 1.5));
+    drawBall(pen.g, middle, center, radius, filled(theme, i, 1.5));
     const name = nameOfBall(b, i === 0 ? "lowest ball" : i === balls.length - 1 ? "top ball" : `ball ${i + 1}`);
     const left = middle + wide * scale + 1.2 * size;
-    setFont(g, theme, 1.15 * size, 650);
-    g.textAlign = "left";
-    g.textBaseline = "bottom";
-    g.fillStyle = theme.ink;
-    g.fillText(name[0].toUpperCase() + name.slice(1), left, center);
-    setFont(g, theme, size);
-    g.textBaseline = "top";
-    g.fillStyle = theme.muted;
-    g.fillText(`${withUnit(massOf(b), "kg")}, ${withUnit(2 * b.radius, "m")} across`, left, center + 0.1 * size);
+    pen.font(1.15, 650);
+    pen.text(name[0].toUpperCase() + name.slice(1), left, center, theme.ink, "left", "bottom");
+    pen.font();
+    const about = `${withUnit(massOf(b), "kg")}, ${withUnit(2 * b.radius, "m")} across`;
+    pen.text(about, left, center + 0.1 * size, theme.muted, "left", "top");
     bottom -= 2 * radius;
   });
-  setFont(g, theme, size);
-  g.textBaseline = "top";
-  g.textAlign = "left";
-  g.fillStyle = theme.muted;
+  pen.font();
   const apart = gaps.every((gap) => gap === 0)
     ? "let go touching"
     : `let go ${[...new Set(gaps.map((gap) => withUnit(gap, "m")))].join(", ")} apart`;
-  g.fillText(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size);
+  pen.text(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size, theme.muted, "left", "top");
 }
 
-function drawRuler(
-  g: CanvasRenderingContext2D,
-  left: number,
-  w: number,
-  floor: number,
-  scale: number,
-  top: number,
-  size: number,
-  theme: Theme,
-): void {
-  setFont(g, theme, size);
-  g.textBaseline = "middle";
-  g.textAlign = "right";
+function drawRuler(pen: Pen, left: number, w: number, floor: number, scale: number, top: number): void {
+  const { theme, size } = pen;
+  pen.font();
   const ticks = niceTicks(0, top, Math.min(8, (top * scale) / (2.4 * size)));
   for (const z of ticks) {
     const y = floor - z * scale;
-    g.strokeStyle = theme.faint;
-    g.lineWidth = 1;
-    stroke(g, left, y, w, y);
-    g.fillStyle = theme.muted;
-    if (y > size) g.fillText(z === ticks[ticks.length - 1] ? `${z} m` : String(z), left - 8, y);
+    pen.line(left, y, w, y, theme.faint);
+    const name = z === ticks[ticks.length - 1] ? `${z} m` : String(z);
+    if (y > size) pen.text(name, left - 8, y, theme.muted, "right");
   }
-  g.strokeStyle = theme.ink;
-  g.lineWidth = Math.max(3, size / 7);
-  stroke(g, left, floor + 1.5, w, floor + 1.5);
+  pen.line(left, floor + 1.5, w, floor + 1.5, theme.ink, Math.max(3, size / 7));
 }
 
 function drawLevel(
-  g: CanvasRenderingContext2D,
+  pen: Pen,
   left: number,
   right: number,
   y: number,
@@ -213,19 +163,12 @@ function drawLevel(
   color: string,
   dash: number[],
   width: number,
-  size: number,
-  theme: Theme,
   align: "left" | "right",
-  below = false,
+  below: boolean,
 ): void {
-  g.strokeStyle = color;
-  g.lineWidth = width * Math.max(1, size / 18);
-  g.setLineDash(dash);
-  stroke(g, left, y, right, y);
-  g.setLineDash([]);
-  setFont(g, theme, width > 2 ? 1.2 * size : size, width > 2 ? 700 : 400);
-  g.textAlign = align;
-  g.textBaseline = below ? "top" : "bottom";
+  const { size } = pen;
+  pen.line(left, y, right, y, color, width * Math.max(1, size / 18), dash);
+  pen.font(width > 2 ? 1.2 : 1, width > 2 ? 700 : 400);
   const edge = below ? y + 4 : Math.max(y - 4, 1.5 * size);
-  halo(g, text, align === "left" ? left + 8 : right - 8, edge, color, theme);
+  pen.label(text, align === "left" ? left + 8 : right - 8, edge, color, align, below ? "top" : "bottom");
 }

@@ -1,6 +1,5 @@
-// Labels in a plot: their positions and their drawing.
-import type { Frame } from "./plot";
-import type { Theme } from "../style/theme";
+// The positions of labels in a plot.
+import type { Frame } from "./pen";
 
 type Point = [number, number];
 
@@ -67,32 +66,4 @@ export class Room {
     this.taken.push(best);
     return best;
   }
-}
-
-export function write(
-  g: CanvasRenderingContext2D,
-  text: string,
-  { left, middle }: Box,
-  color: string,
-  theme: Theme,
-): void {
-  g.textAlign = "left";
-  g.textBaseline = "middle";
-  halo(g, text, left, middle, color, theme);
-}
-
-export function halo(
-  g: CanvasRenderingContext2D,
-  text: string,
-  x: number,
-  y: number,
-  color: string,
-  theme: Theme,
-): void {
-  g.lineWidth = 5;
-  g.lineJoin = "round";
-  g.strokeStyle = theme.ground;
-  g.strokeText(text, x, y);
-  g.fillStyle = color;
-  g.fillText(text, x, y);
 }

@@ -1,15 +1,8 @@
 // Axes of the plots: scales, ticks and labels. No library is used: uPlot 1.6.32 (51 kB minified) draws series over one
 // x, but no bands, maps or labels beside curves; Observable Plot 0.6.17 (209 kB without D3) creates a new SVG at each
-// change. This file and labels.ts take 3 kB.
+// change. This file, labels.ts and pen.ts take 4 kB.
 import { niceTicks } from "./format";
-import type { Theme } from "../style/theme";
-
-export interface Frame {
-  left: number;
-  top: number;
-  width: number;
-  height: number;
-}
+import type { Frame, Pen } from "./pen";
 
 export class Scale {
   constructor(
@@ -45,10 +38,6 @@ export const fontSize = (w: number): number =>
 // Lines and marks grow with the text.
 export const grown = (size: number): number => Math.max(1, size / 16);
 
-export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
-  g.font = `${weight} ${Math.round(size)}px ${theme.font}`;
-}
-
 export interface AxisText {
   ticks: number[];
   name: (tick: number) => string;
@@ -59,66 +48,41 @@ export interface AxisText {
 // Ticks, grid and titles around a frame. The title of the vertical axis is horizontal and above the axis, for
 // legibility.
 export function drawAxes(
-  g: CanvasRenderingContext2D,
+  pen: Pen,
   f: Frame,
   x: Scale,
   y: Scale,
   xText: AxisText | null,
   yText: AxisText,
-  theme: Theme,
-  size: number,
   grid = true,
 ): void {
-  setFont(g, theme, size);
-  g.lineWidth = 1;
-  g.textBaseline = "middle";
-  g.textAlign = "right";
+  const { theme, size } = pen;
+  const [left, foot] = [Math.round(f.left) + 0.5, Math.round(f.top + f.height) + 0.5];
+  pen.font();
   for (const tick of yText.ticks) {
     const at = Math.round(y.at(tick)) + 0.5;
-    if (grid) {
-      g.strokeStyle = theme.faint;
-      stroke(g, f.left, at, f.left + f.width, at);
-    }
-    g.strokeStyle = theme.muted;
-    stroke(g, f.left - 4, at, f.left, at);
-    g.fillStyle = theme.muted;
-    g.fillText(yText.name(tick), f.left - 7, at);
+    if (grid) pen.line(f.left, at, f.left + f.width, at, theme.faint);
+    pen.line(f.left - 4, at, f.left, at, theme.muted);
+    pen.text(yText.name(tick), f.left - 7, at, theme.muted, "right");
   }
   if (xText) {
-    g.textBaseline = "top";
-    g.textAlign = "center";
     let right = xText.after ?? -Infinity;
     for (const tick of xText.ticks) {
       const at = Math.round(x.at(tick)) + 0.5;
-      g.strokeStyle = theme.muted;
-      stroke(g, at, f.top + f.height, at, f.top + f.height + 4);
+      pen.line(at, f.top + f.height, at, f.top + f.height + 4, theme.muted);
       const text = xText.name(tick);
-      const half = g.measureText(text).width / 2;
+      const half = pen.widthOf(text) / 2;
       if (at - half < right + 8 || at + half > f.left + f.width + 1.4 * size) continue;
       right = at + half;
-      g.fillStyle = theme.muted;
-      g.fillText(text, at, f.top + f.height + 7);
+      pen.text(text, at, f.top + f.height + 7, theme.muted, "center", "top");
     }
-    g.fillStyle = theme.ink;
-    g.textAlign = "right";
-    g.fillText(xText.title, f.left + f.width, f.top + f.height + 7 + 1.3 * size);
+    pen.text(xText.title, f.left + f.width, f.top + f.height + 7 + 1.3 * size, theme.ink, "right", "top");
   }
-  g.textBaseline = "bottom";
-  g.textAlign = "left";
-  g.fillStyle = theme.ink;
   const crowded = yText.ticks.some((tick) => Math.abs(y.at(tick) - f.top) < 0.9 * size);
-  g.fillText(yText.title, Math.max(f.left - 2.6 * size, 2), f.top - (crowded ? 0.75 * size : 6));
-  g.strokeStyle = theme.muted;
-  const [left, foot] = [Math.round(f.left) + 0.5, Math.round(f.top + f.height) + 0.5];
-  stroke(g, left, f.top, left, foot);
-  stroke(g, left, foot, f.left + f.width, foot);
-}
-
-export function stroke(g: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
-  g.beginPath();
-  g.moveTo(x0, y0);
-  g.lineTo(x1, y1);
-  g.stroke();
+  const above = f.top - (crowded ? 0.75 * size : 6);
+  pen.text(yText.title, Math.max(f.left - 2.6 * size, 2), above, theme.ink, "left", "bottom");
+  pen.line(left, f.top, left, foot, theme.muted);
+  pen.line(left, foot, f.left + f.width, foot, theme.muted);
 }
 
 // Unit of time for a span: a power of 1000 and its name.
@@ -128,6 +92,10 @@ export function timeUnit(span: number): [number, string] {
   if (span < 2) return [1e3, "ms"];
   return [1, "s"];
 }
+
+// The same for a force.
+export const forceUnit = (most: number): [number, string] =>
+  most >= 1e3 ? [1e-3, "kN"] : most >= 1 ? [1, "N"] : [1e3, "mN"];
 
 // Ticks of a time axis whose zero is at `origin`.
 export function timeTicks(x: Scale, origin: number, factor: number, wanted: number): Pick<AxisText, "ticks" | "name"> {

@@ -75,11 +75,9 @@ export class CloseUp extends Painter {
 
   private sizesSaid(r: Rect): void {
     const { size, theme } = this;
-    const begin = r.x + this.g.measureText("Close-up").width + 0.8 * size;
+    const begin = r.x + this.widthOf("Close-up") + 0.8 * size;
     this.font(0.88);
-    const note = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find(
-      (x) => begin + this.g.measureText(x).width < r.x + r.w,
-    );
+    const note = ["sizes ∝ R⁰·⁴, gaps magnified", "sizes ∝ R⁰·⁴"].find((x) => begin + this.widthOf(x) < r.x + r.w);
     if (note) this.text(note, begin, r.y + 0.9 * size, theme.muted);
   }
 
@@ -92,7 +90,7 @@ export class CloseUp extends Painter {
   }
 
   private scales(r: Rect, magnify: number[]): void {
-    const { g, size, theme } = this;
+    const { size, theme } = this;
     this.font(0.88);
     let x = r.x;
     const y = r.y + 2.35 * size;
@@ -102,19 +100,19 @@ export class CloseUp extends Painter {
           ["floor", magnify[0]],
           ["balls", magnify[1]],
         ];
-    g.lineWidth = 2 * grown(size);
+    const bar = (x0: number, y0: number, x1: number, y1: number): void =>
+      this.line(x0, y0, x1, y1, theme.muted, 2 * grown(size));
     for (const [name, scale] of bars) {
       const metres = niceBelow((2.4 * size) / scale);
       const length = metres * scale;
-      g.strokeStyle = theme.muted;
-      this.line(x + 1, y, x + 1 + length, y);
-      for (const end of [x + 1, x + 1 + length]) this.line(end, y - 4, end, y + 4);
+      bar(x + 1, y, x + 1 + length, y);
+      for (const end of [x + 1, x + 1 + length]) bar(end, y - 4, end, y + 4);
       const text =
         [`${withUnit(metres, "m", 1)} ${name}`, withUnit(metres, "m", 1)].find(
-          (t) => x + length + 6 + g.measureText(t).width < r.x + r.w,
+          (t) => x + length + 6 + this.widthOf(t) < r.x + r.w,
         ) ?? "";
       this.text(text, x + length + 6, y, theme.muted);
-      x += length + 6 + g.measureText(text).width + 0.8 * size;
+      x += length + 6 + this.widthOf(text) + 0.8 * size;
     }
   }
 
@@ -224,7 +222,7 @@ export class CloseUp extends Painter {
     tags.forEach((t, i) => {
       this.font(0.92, t.weight);
       const [x, y] = line.at(places[i], reach);
-      const over = Math.max(x + g.measureText(t.text).width - edge, 0);
+      const over = Math.max(x + this.widthOf(t.text) - edge, 0);
       if (over > 0.8 * size && t.weight < 700) return;
       g.strokeStyle = theme.line;
       g.lineWidth = 1;
@@ -235,11 +233,11 @@ export class CloseUp extends Painter {
 
   // Labels above a row of balls, in up to three lines; gaps without space are omitted.
   private tagsAbove(line: Line, tags: Tag[], radius: number): void {
-    const { g, size } = this;
+    const { size } = this;
     const ends = [-Infinity, -Infinity, -Infinity];
     for (const t of tags) {
       this.font(0.92, t.weight);
-      const half = g.measureText(t.text).width / 2;
+      const half = this.widthOf(t.text) / 2;
       const [x, y] = line.at(t.along, -radius - 0.7 * size);
       const row = ends.findIndex((end) => x - half > end + 0.4 * size);
       if (row < 0 || (row === 2 && t.weight < 700)) continue;

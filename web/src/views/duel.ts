@@ -6,7 +6,7 @@ import { drawBall, shaded } from "./ball";
 import { capital, independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
 import { metres, niceTicks, withUnit } from "../support/format";
-import { setFont, stroke } from "../support/plot";
+import { Pen } from "../support/pen";
 
 export interface DuelMoment {
   time: number;
@@ -44,22 +44,21 @@ export function drawDuel(
   size: number,
 ): DuelLayout {
   g.clearRect(0, 0, w, h);
+  const pen = new Pen(g, theme, size);
   const floor = h - 2.2 * size;
   const room = floor - 3.4 * size;
   const scale = scaleAt(d, m, room, 0.5 * w - 2 * size);
   const half = 0.5 * w;
-  drawRuler(g, w, floor, scale, room, size, theme);
+  drawRuler(pen, w, floor, scale, room);
   const worlds: [Track, Balls, string, string][] = [
     [d.newton, m.newton, theme.newton, half > 15 * size ? newton.label : newton.short],
     [d.icm, m.icm, theme.icm, half > 18 * size ? capital(independent.label) : independent.short],
   ];
   const places = worlds.map(([track, balls, color, name], k) => {
     const world = new World(
-      g,
+      pen,
       d,
       m,
-      theme,
-      size,
       k * half + 0.5 * half + (k === 0 ? 1 : -0.4) * size,
       floor,
       scale,
@@ -72,26 +71,17 @@ export function drawDuel(
       world.forces(balls);
       if (m.dragged) world.note(balls, m.dragged.ball, m.dragged.text);
     } else {
-      g.save();
-      g.beginPath();
-      g.rect(half, 0, half, floor);
-      g.clip();
-      world.flashes(track, balls, toScreen);
-      g.restore();
+      const frame = { left: half, top: 0, width: half, height: floor };
+      pen.within(frame, () => world.flashes(track, balls, toScreen));
     }
     world.height(track, balls, 0.36 * half);
-    setFont(g, theme, 1.1 * size, 650);
-    g.textAlign = "center";
-    g.textBaseline = "middle";
-    g.fillStyle = color;
-    g.fillText(name, world.x, 1.1 * size);
+    pen.font(1.1, 650);
+    pen.text(name, world.x, 1.1 * size, color, "center");
     return world.places(balls);
   });
   g.fillStyle = theme.line;
   g.fillRect(half - 0.5, 0.4 * size, 1, floor - 0.4 * size);
-  g.strokeStyle = theme.ink;
-  g.lineWidth = Math.max(2, size / 8);
-  stroke(g, 0, floor + 1, w, floor + 1);
+  pen.line(0, floor + 1, w, floor + 1, theme.ink, Math.max(2, size / 8));
   return { scale, worlds: places };
 }
 
@@ -108,37 +98,22 @@ function scaleAt(d: Drop, m: DuelMoment, room: number, width: number): number {
   return far * (near / far) ** eased;
 }
 
-function drawRuler(
-  g: CanvasRenderingContext2D,
-  w: number,
-  floor: number,
-  scale: number,
-  room: number,
-  size: number,
-  theme: Theme,
-): void {
-  setFont(g, theme, 0.9 * size);
-  g.textAlign = "left";
-  g.textBaseline = "bottom";
-  for (const z of niceTicks(0, room / scale, room / (4.5 * size))) {
+function drawRuler(pen: Pen, w: number, floor: number, scale: number, room: number): void {
+  pen.font(0.9);
+  for (const z of niceTicks(0, room / scale, room / (4.5 * pen.size))) {
     if (z === 0) continue;
     const y = floor - z * scale;
-    g.strokeStyle = theme.faint;
-    g.lineWidth = 1;
-    stroke(g, 0, y, w, y);
-    g.fillStyle = theme.muted;
-    g.fillText(withUnit(z, "m"), 2, y - 1);
+    pen.line(0, y, w, y, pen.theme.faint);
+    pen.text(withUnit(z, "m"), 2, y - 1, pen.theme.muted, "left", "bottom");
   }
 }
 
 // The picture of one model.
 class World {
   constructor(
-    private readonly g: CanvasRenderingContext2D,
+    private readonly pen: Pen,
     private readonly d: Drop,
     private readonly m: DuelMoment,
-    private readonly theme: Theme,
-    private readonly size: number,
     readonly x: number,
     private readonly floor: number,
     private readonly scale: number,
@@ -172,27 +147,21 @@ class World {
   }
 
   note(balls: Balls, i: number, text: string): void {
-    const { g, size, theme } = this;
-    const y = this.y(balls.position[i]);
-    setFont(g, theme, 1.1 * size, 650);
-    g.textAlign = "left";
-    g.textBaseline = "middle";
-    g.lineWidth = 5;
-    g.strokeStyle = theme.ground;
-    const left = Math.min(this.x + this.radius(i) + size, this.right - g.measureText(text).width - 4);
-    g.strokeText(text, left, y);
-    g.fillStyle = theme.ink;
-    g.fillText(text, left, y);
+    const { pen } = this;
+    pen.font(1.1, 650);
+    const left = Math.min(this.x + this.radius(i) + pen.size, this.right - pen.widthOf(text) - 4);
+    pen.label(text, left, this.y(balls.position[i]), pen.theme.ink, "left");
   }
 
   shadow(balls: Balls): void {
-    const { g, d, floor } = this;
+    const { d, floor } = this;
+    const { g, theme, size } = this.pen;
     const above = Math.max(balls.position[0] - d.scenario.balls[0].radius, 0) * this.scale;
     const wide = this.radius(0) * (1 + 0.15 * Math.min(above / (4 * this.radius(0)), 1));
-    g.globalAlpha = (this.theme.dark ? 0.7 : 0.22) / (1 + above / (2 * this.radius(0)));
+    g.globalAlpha = (theme.dark ? 0.7 : 0.22) / (1 + above / (2 * this.radius(0)));
     g.fillStyle = "#000000";
     g.beginPath();
-    g.ellipse(this.x, floor + 0.35 * this.size, wide, Math.max(0.16 * wide, 2), 0, 0, 2 * Math.PI);
+    g.ellipse(this.x, floor + 0.35 * size, wide, Math.max(0.16 * wide, 2), 0, 0, 2 * Math.PI);
     g.fill();
     g.globalAlpha = 1;
   }
@@ -200,7 +169,8 @@ class World {
   // A ball is flattened where it overlaps a neighbour or the floor, and becomes wider. An enlarged one stands on the
   // next one.
   balls(balls: Balls): void {
-    const { g, d } = this;
+    const { d } = this;
+    const { g } = this.pen;
     let below = this.floor; // top of the ball below
     d.scenario.balls.forEach((b, i) => {
       const pressed = (pair: number): number =>
@@ -217,12 +187,12 @@ class World {
 
   // Arrows of the contact forces, beside the balls.
   forces(balls: Balls): void {
-    const { g, d, theme, size } = this;
+    const { pen, d } = this;
+    const { theme, size } = pen;
     const most = Math.max(...d.peakForce, 1e-300);
     const longest = 5.5 * size;
     const n = d.scenario.balls.length;
-    setFont(g, theme, 0.85 * size, 600);
-    g.textBaseline = "middle";
+    pen.font(0.85, 600);
     for (let pair = 0; pair < n; pair++) {
       const force = balls.force[pair];
       if (!(force > 0.004 * most)) continue;
@@ -230,70 +200,61 @@ class World {
       const way = n > 2 && pair % 2 === 1 ? -1 : 1; // arrows of neighbouring contacts are on different sides
       const side = this.x + way * (this.radius(Math.max(pair - 1, 0)) + 1.3 * size);
       const y = pair === 0 ? this.floor : this.y(balls.position[pair - 1] + d.scenario.balls[pair - 1].radius);
-      g.strokeStyle = g.fillStyle = theme.ink;
-      arrow(g, side, y, y - length, 0.45 * size);
-      if (pair > 0) arrow(g, side, y, y + length, 0.45 * size);
-      g.textAlign = way > 0 ? "left" : "right";
+      arrow(pen, side, y, y - length, 0.45 * size);
+      if (pair > 0) arrow(pen, side, y, y + length, 0.45 * size);
       const text = withUnit(force, "N", 2);
-      const end = side + way * (0.7 * size + g.measureText(text).width);
+      const end = side + way * (0.7 * size + pen.widthOf(text));
       if (end < this.right && end > this.right - 2 * this.x)
-        g.fillText(text, side + way * 0.7 * size, y - 0.5 * length);
+        pen.text(text, side + way * 0.7 * size, y - 0.5 * length, theme.ink, way > 0 ? "left" : "right");
     }
   }
 
   // Collisions are instantaneous. Each is shown as a ring that grows and fades.
   flashes(track: Track, balls: Balls, toScreen: (t: number) => number): void {
-    const { g, d, m, size } = this;
+    const { d, m, pen } = this;
     for (const c of track.run.contacts.slice(0, 400)) {
       if (c.begin > track.run.last) break;
       const since = m.screen - toScreen(c.begin);
       if (!(since >= 0 && since < flash)) continue;
       const i = Math.max(c.pair - 1, 0);
       const y = c.pair === 0 ? this.floor : this.y(balls.position[i] + d.scenario.balls[i].radius);
-      g.globalAlpha = 1 - since / flash;
-      g.strokeStyle = this.color;
-      g.lineWidth = 0.22 * size;
-      g.beginPath();
-      g.arc(this.x, y, size * (0.5 + (5 * since) / flash), 0, 2 * Math.PI);
-      g.stroke();
-      g.globalAlpha = 1;
+      pen.g.globalAlpha = 1 - since / flash;
+      const radius = pen.size * (0.5 + (5 * since) / flash);
+      pen.stroked(this.color, 0.22 * pen.size, [], () => pen.g.arc(this.x, y, radius, 0, 2 * Math.PI));
+      pen.g.globalAlpha = 1;
     }
   }
 
   // Writes the rebound height of the top ball once the ball has reached it.
   height(track: Track, balls: Balls, wide: number): void {
-    const { g, d, theme, size } = this;
+    const { pen, d } = this;
+    const { size } = pen;
     const top = d.scenario.balls.length - 1;
     const peak = track.peaks[top];
     if (!Number.isFinite(peak) || this.m.time < track.run.last || d.scenario.cradle) return;
     const reached = balls.velocity[top] <= 0 || balls.position[top] > 0.985 * peak;
     if (!reached) return;
     const y = this.y(peak);
-    g.strokeStyle = this.color;
-    g.lineWidth = Math.max(2, size / 8);
-    stroke(g, this.x - wide, y, this.x + wide, y);
+    pen.line(this.x - wide, y, this.x + wide, y, this.color, Math.max(2, size / 8));
     // Beside the ball, smaller where there is little room.
     const room = Math.max(wide - this.radius(top) - 0.4 * size, 1);
-    setFont(g, theme, 1.5 * size, 700);
-    const fits = Math.min(1, room / g.measureText(metres(peak)).width);
-    setFont(g, theme, Math.max(1.5 * fits, 0.9) * size, 700);
-    g.textAlign = "left";
-    g.textBaseline = "bottom";
-    g.lineWidth = 5;
-    g.strokeStyle = theme.ground;
-    g.strokeText(metres(peak), this.x - wide, y - 0.2 * size);
-    g.fillStyle = this.color;
-    g.fillText(metres(peak), this.x - wide, y - 0.2 * size);
+    pen.font(1.5, 700);
+    const fits = Math.min(1, room / pen.widthOf(metres(peak)));
+    pen.font(Math.max(1.5 * fits, 0.9), 700);
+    pen.label(metres(peak), this.x - wide, y - 0.2 * size, this.color, "left", "bottom");
   }
 }
 
-function arrow(g: CanvasRenderingContext2D, x: number, from: number, to: number, head: number): void {
+function arrow(pen: Pen, x: number, from: number, to: number, head: number): void {
   const way = Math.sign(to - from);
-  g.lineWidth = 0.4 * head + 1;
-  stroke(g, x, from, x, to - way * head);
-  g.beginPath();
-  g.moveTo(x, to);
-  g.lineTo(x - 0.7 * head, to - way * 1.4 * head);
-  g.lineTo(x + 0.7 * head, to - way * 1.4 * head);
-  g.fill();
+  const { ink } = pen.theme;
+  pen.line(x, from, x, to - way * head, ink, 0.4 * head + 1);
+  pen.area(
+    [
+      [x, to],
+      [x - 0.7 * head, to - way * 1.4 * head],
+      [x + 0.7 * head, to - way * 1.4 * head],
+    ],
+    ink,
+  );
 }

@@ -1,6 +1,7 @@
-// What the drawings of the balls share: colours and letters.
+// What the drawings of the balls share.
 import type { State } from "../core/core";
 import type { Drop, Track } from "../core/drop";
+import { Pen } from "../support/pen";
 import { dashed, type Look } from "./ball";
 import { independent, newton } from "../scenario/tables";
 import type { Theme } from "../style/theme";
@@ -19,30 +20,21 @@ export interface Moment {
   icm: State;
 }
 
-export class Painter {
+export class Painter extends Pen {
   constructor(
-    protected readonly g: CanvasRenderingContext2D,
+    g: CanvasRenderingContext2D,
     protected readonly d: Drop,
     protected readonly m: Moment,
-    protected readonly theme: Theme,
-    protected readonly size: number,
-  ) {}
-
-  protected font(scale = 1, weight = 400): void {
-    this.g.font = `${weight} ${Math.round(this.size * scale)}px ${this.theme.font}`;
-  }
-
-  protected text(text: string, x: number, y: number, color: string, align: CanvasTextAlign = "left"): void {
-    this.g.textAlign = align;
-    this.g.fillStyle = color;
-    this.g.fillText(text, x, y);
+    theme: Theme,
+    size: number,
+  ) {
+    super(g, theme, size);
   }
 
   // Writes the first title that fits.
   protected header(r: Rect, ...titles: string[]): void {
-    this.g.textBaseline = "middle";
     this.font(1, 600);
-    const title = titles.find((x) => this.g.measureText(x).width < r.w) ?? titles[titles.length - 1];
+    const title = titles.find((x) => this.widthOf(x) < r.w) ?? titles[titles.length - 1];
     this.text(title, r.x, r.y + this.size * 0.9, this.theme.ink);
   }
 
@@ -58,27 +50,7 @@ export class Painter {
     return ghost ? dashed(this.theme, this.size, radius) : { fill: this.theme.balls[ball] };
   }
 
-  // Text with a halo, which is legible over other drawings.
-  protected label(text: string, x: number, y: number, color: string, align: CanvasTextAlign = "center"): void {
-    this.g.textAlign = align;
-    this.g.lineWidth = 4;
-    this.g.strokeStyle = this.theme.ground;
-    this.g.lineJoin = "round";
-    this.g.strokeText(text, x, y);
-    this.g.fillStyle = color;
-    this.g.fillText(text, x, y);
-  }
-
-  protected line(x0: number, y0: number, x1: number, y1: number): void {
-    this.g.beginPath();
-    this.g.moveTo(x0, y0);
-    this.g.lineTo(x1, y1);
-    this.g.stroke();
-  }
-
   protected floor(x0: number, x1: number, y: number): void {
-    this.g.strokeStyle = this.theme.ink;
-    this.g.lineWidth = 2.5;
-    this.line(x0, y + 1, x1, y + 1);
+    this.line(x0, y + 1, x1, y + 1, this.theme.ink, 2.5);
   }
 }

@@ -2,7 +2,8 @@
 import { find, setText, type Sheet } from "../support/dom";
 import { clockText, type Film } from "./film";
 import { drawForces, type ForcesLayout } from "./forces";
-import type { Frame, Scale } from "../support/plot";
+import type { Frame } from "../support/pen";
+import type { Scale } from "../support/plot";
 import type { Pool } from "../core/pool";
 import { clampTo, copyOf, ranges } from "../scenario/scenario";
 import { observed, type Drawing } from "../state/signals";

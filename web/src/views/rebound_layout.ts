@@ -2,7 +2,8 @@
 import { digits, withUnit } from "../support/format";
 import type { CurveAxis } from "../scenario/story_view";
 import type { Measurements } from "./measurements";
-import type { Frame, Scale } from "../support/plot";
+import type { Frame } from "../support/pen";
+import type { Scale } from "../support/plot";
 import type { CurvePoint, Span } from "./rebound";
 
 export const models = ["icm", "newton"] as const;

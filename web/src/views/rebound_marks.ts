@@ -1,9 +1,9 @@
 // Marks and labels in the plot of rebound heights: levels, measured heights, setting A, the present setting.
 import { metres, withUnit } from "../support/format";
-import { halo, Room, write, type Box } from "../support/labels";
-import { grown, setFont, stroke, type Frame, type Scale } from "../support/plot";
+import { Room, type Box } from "../support/labels";
+import { diamond, type Frame, type Pen } from "../support/pen";
+import { grown, type Scale } from "../support/plot";
 import { models, nearest, pixelOf, type CurveLayout, type CurvePicture } from "./rebound_layout";
-import type { Theme } from "../style/theme";
 
 // Free space for labels beside both curves and the present setting.
 export function roomBeside(frame: Frame, l: CurveLayout, p: CurvePicture): Room {
@@ -14,139 +14,89 @@ export function roomBeside(frame: Frame, l: CurveLayout, p: CurvePicture): Room 
   return new Room(frame, curves, points, [pixelOf(l, p.marked.x), p.pinnedAt === null ? NaN : pixelOf(l, p.pinnedAt)]);
 }
 
-export function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme): void {
+// Writes a text at the best of these places.
+function write(pen: Pen, text: string, room: Room, places: Box[], color: string): void {
+  const { left, middle } = room.take(places);
+  pen.label(text, left, middle, color, "left");
+}
+
+export function drawRelease(pen: Pen, f: Frame, y: Scale, p: CurvePicture): void {
   if (!Number.isFinite(p.released)) return;
   const at = y.at(p.released);
-  g.strokeStyle = theme.muted;
-  g.lineWidth = 1.5;
-  g.setLineDash([2, 4]);
-  stroke(g, f.left, at, f.left + f.width, at);
-  g.setLineDash([]);
+  pen.line(f.left, at, f.left + f.width, at, pen.theme.muted, 1.5, [2, 4]);
 }
 
 // Band of the rebound heights of the top ball when it is dropped alone, from the rules of its sport.
-export function drawAlone(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme): void {
+export function drawAlone(pen: Pen, f: Frame, y: Scale, p: CurvePicture): void {
   if (!p.alone) return;
   const top = y.at(p.alone.high);
-  g.fillStyle = theme.muted;
-  g.globalAlpha = 0.35;
-  g.fillRect(f.left, top, f.width, Math.max(y.at(p.alone.low) - top, 2));
-  g.globalAlpha = 1;
+  pen.veil(f.left, top, f.width, Math.max(y.at(p.alone.low) - top, 2), pen.theme.muted, 0.35);
 }
 
-export function nameAlone(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  y: Scale,
-  p: CurvePicture,
-  room: Room,
-  theme: Theme,
-  size: number,
-): void {
-  if (p.alone)
-    nameLevel(
-      g,
-      f,
-      [y.at(p.alone.high), y.at(p.alone.low)],
-      ["alone, by the rules", "alone"].map(
-        (begin) => `${begin} (${p.alone!.by}): ${metres(p.alone!.low)} to ${metres(p.alone!.high)}`,
-      ),
-      room,
-      theme,
-      size,
-    );
+export function nameAlone(pen: Pen, f: Frame, y: Scale, { alone }: CurvePicture, room: Room): void {
+  if (!alone) return;
+  const heights = `(${alone.by}): ${metres(alone.low)} to ${metres(alone.high)}`;
+  const texts = ["alone, by the rules", "alone"].map((begin) => `${begin} ${heights}`);
+  nameLevel(pen, f, [y.at(alone.high), y.at(alone.low)], texts, room);
 }
 
-export function nameRelease(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  y: Scale,
-  p: CurvePicture,
-  room: Room,
-  theme: Theme,
-  size: number,
-): void {
-  if (Number.isFinite(p.released))
-    nameLevel(g, f, [y.at(p.released), y.at(p.released)], [`let go at ${metres(p.released)}`], room, theme, size);
+export function nameRelease(pen: Pen, f: Frame, y: Scale, { released }: CurvePicture, room: Room): void {
+  if (Number.isFinite(released))
+    nameLevel(pen, f, [y.at(released), y.at(released)], [`let go at ${metres(released)}`], room);
 }
 
 // Writes the first text that fits into the frame above or below a line or a band, where there is space.
-function nameLevel(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  [top, bottom]: [number, number],
-  texts: string[],
-  room: Room,
-  theme: Theme,
-  size: number,
-): void {
-  setFont(g, theme, 0.92 * size);
-  const text = texts.find((x) => g.measureText(x).width < f.width - 12);
+function nameLevel(pen: Pen, f: Frame, [top, bottom]: [number, number], texts: string[], room: Room): void {
+  const { size } = pen;
+  pen.font(0.92);
+  const text = texts.find((x) => pen.widthOf(x) < f.width - 12);
   if (text === undefined) return;
-  const width = g.measureText(text).width;
+  const width = pen.widthOf(text);
   const places: Box[] = [];
   for (const middle of [top - 0.5 * size - 3, bottom + 0.5 * size + 4])
     for (let left = f.left + f.width - 6 - width; left > f.left + 4; left -= 0.5 * size)
       places.push({ left, middle, width, height: size });
-  write(g, text, room.take(places), theme.muted, theme);
+  write(pen, text, room, places, pen.theme.muted);
 }
 
-export function dot(
-  g: CanvasRenderingContext2D,
-  x: number,
-  y: number,
-  radius: number,
-  hollow: boolean,
-  theme: Theme,
-): void {
+export function dot({ g, theme }: Pen, x: number, y: number, radius: number, color: string, hollow: boolean): void {
   g.beginPath();
   g.arc(x, y, radius, 0, 2 * Math.PI);
-  const color = g.fillStyle;
-  if (hollow) g.fillStyle = theme.ground;
+  g.fillStyle = hollow ? theme.ground : color;
   g.fill();
-  g.fillStyle = color;
+  g.strokeStyle = color;
   g.lineWidth = 2.5;
   g.stroke();
 }
 
-export function drawMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme): void {
+export function drawMeasured(pen: Pen, l: CurveLayout, p: CurvePicture): void {
   if (p.measured?.axis !== p.axis) return;
-  g.strokeStyle = g.fillStyle = theme.ink;
-  g.lineWidth = 2;
+  const { g } = pen;
+  const { ink } = pen.theme;
   for (const m of p.measured.list) {
     const x = p.axis === "gap" && m.x < l.x.low ? l.zero : l.x.at(m.x);
     const y = l.y.at(m.height);
     if (m.uncertainty > 0) {
       const [a, b] = [l.y.at(m.height - m.uncertainty), l.y.at(m.height + m.uncertainty)];
-      stroke(g, x, a, x, b);
-      for (const end of [a, b]) stroke(g, x - 5, end, x + 5, end);
+      pen.line(x, a, x, b, ink, 2);
+      for (const end of [a, b]) pen.line(x - 5, end, x + 5, end, ink, 2);
     }
-    g.beginPath();
-    g.moveTo(x, y - 6);
-    g.lineTo(x + 6, y);
-    g.lineTo(x, y + 6);
-    g.lineTo(x - 6, y);
-    g.closePath();
+    diamond(g, x, y, 6);
+    g.fillStyle = ink;
     g.fill();
   }
 }
 
 // Writes the measured heights as numbers if there are few enough to be legible.
-export function nameMeasured(
-  g: CanvasRenderingContext2D,
-  l: CurveLayout,
-  p: CurvePicture,
-  room: Room,
-  theme: Theme,
-  size: number,
-): void {
+export function nameMeasured(pen: Pen, l: CurveLayout, p: CurvePicture, room: Room): void {
   if (p.measured?.axis !== p.axis || p.measured.list.length > 24) return;
-  setFont(g, theme, 0.92 * size, 650);
+  const { size } = pen;
+  pen.font(0.92, 650);
   for (const m of p.measured.list) {
     const [x, y] = [pixelOf(l, m.x), l.y.at(m.height)];
     if (!Number.isFinite(x)) continue;
     const text = metres(m.height);
-    const width = g.measureText(text).width;
+    const width = pen.widthOf(text);
     const places = [1, -1].flatMap((side) =>
       [0, -1, 1, -2, 2].map((down) => ({
         left: side > 0 ? x + 10 : x - 10 - width,
@@ -155,75 +105,48 @@ export function nameMeasured(
         height: size,
       })),
     );
-    write(g, text, room.take(places), theme.ink, theme);
+    write(pen, text, room, places, pen.theme.ink);
   }
 }
 
 // A line at setting A.
-export function drawPinned(
-  g: CanvasRenderingContext2D,
-  l: CurveLayout,
-  p: CurvePicture,
-  theme: Theme,
-  size: number,
-): void {
+export function drawPinned(pen: Pen, l: CurveLayout, p: CurvePicture): void {
   const at = p.pinnedAt === null ? NaN : pixelOf(l, p.pinnedAt);
   if (!Number.isFinite(at)) return;
-  g.strokeStyle = theme.muted;
-  g.lineWidth = 2;
-  g.setLineDash([6, 4]);
-  stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
-  g.setLineDash([]);
-  setFont(g, theme, 1.05 * size, 700);
-  g.textAlign = "left";
-  g.textBaseline = "bottom";
-  halo(g, "A", at + 5, l.frame.top + l.frame.height - 4, theme.muted, theme);
+  const bottom = l.frame.top + l.frame.height;
+  pen.line(at, l.frame.top, at, bottom, pen.theme.muted, 2, [6, 4]);
+  pen.font(1.05, 700);
+  pen.label("A", at + 5, bottom - 4, pen.theme.muted, "left", "bottom");
 }
 
 // Lines at the present setting and under the pointer, with dots at their intersections with the curves.
-export function drawPlace(
-  g: CanvasRenderingContext2D,
-  l: CurveLayout,
-  p: CurvePicture,
-  room: Room,
-  theme: Theme,
-  size: number,
-): void {
+export function drawPlace(pen: Pen, l: CurveLayout, p: CurvePicture, room: Room): void {
+  const { top, height } = l.frame;
+  const grow = grown(pen.size);
   for (const thick of [false, true]) {
     const point = thick ? p.marked : p.hovered === null ? null : nearest(p, p.hovered);
     const at = point ? pixelOf(l, point.x) : NaN;
     if (!point || !Number.isFinite(at)) continue;
-    g.strokeStyle = theme.ink;
-    g.lineWidth = (thick ? 2 : 1) * grown(size);
-    stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
+    pen.line(at, top, at, top + height, pen.theme.ink, (thick ? 2 : 1) * grow);
     for (const model of models) {
       if (!Number.isFinite(point[model])) continue;
-      g.strokeStyle = g.fillStyle = theme[model];
-      dot(g, at, l.y.at(point[model]), (thick ? 6.5 : 4.5) * grown(size), model === "icm", theme);
-      if (thick) nameValue(g, l, p, model, at, room, theme, size);
+      dot(pen, at, l.y.at(point[model]), (thick ? 6.5 : 4.5) * grow, pen.theme[model], model === "icm");
+      if (thick) nameValue(pen, l, p, model, at, room);
     }
   }
 }
 
 // Writes the value beside its dot where there is space. If both values are close, the greater one is written above.
-function nameValue(
-  g: CanvasRenderingContext2D,
-  l: CurveLayout,
-  p: CurvePicture,
-  model: "newton" | "icm",
-  at: number,
-  room: Room,
-  theme: Theme,
-  size: number,
-): void {
+function nameValue(pen: Pen, l: CurveLayout, p: CurvePicture, model: "newton" | "icm", at: number, room: Room): void {
+  const { size } = pen;
   const point = p.marked;
   const right = at < l.frame.left + 0.6 * l.frame.width;
   const other = point[model === "newton" ? "icm" : "newton"];
   const close = Math.abs(l.y.at(point.newton) - l.y.at(point.icm)) < 2.2 * size;
   const below = point[model] < other || (point[model] === other && model === "newton");
-  setFont(g, theme, 1.05 * size, 700);
+  pen.font(1.05, 700);
   const text = p.cradle ? withUnit(point[model], "m/s") : metres(point[model]);
-  const width = g.measureText(text).width;
+  const width = pen.widthOf(text);
   const places: Box[] = [];
   for (const down of close ? [below ? 1 : -1] : [-1, 1])
     for (const far of [1, 1.7, 2.4])
@@ -234,5 +157,5 @@ function nameValue(
           width,
           height: 1.05 * size,
         });
-  write(g, text, room.take(places), theme[model], theme);
+  write(pen, text, room, places, pen.theme[model]);
 }

@@ -1,6 +1,7 @@
 // The rebound heights of both models as curves over the gap, ε or R1/R2, with measured ones.
 import { logTicks, niceTicks, withUnit } from "../support/format";
-import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "../support/plot";
+import { diamond, Pen, type Frame } from "../support/pen";
+import { drawAxes, fontSize, grown, Scale } from "../support/plot";
 import { axisTitle, models, type CurveLayout, type CurvePicture } from "./rebound_layout";
 import {
   dot,
@@ -26,11 +27,12 @@ export function drawCurves(
 ): CurveLayout {
   g.clearRect(0, 0, w, h);
   const size = fontSize(w);
+  const pen = new Pen(g, theme, size);
   const left = 3.6 * size;
   const lane = p.axis === "gap" ? 4.6 * size : 0; // for gap 0, left of the logarithmic axis
   const unit = p.cradle ? "m/s" : "m";
   const title = p.cradle ? `last ball leaves with (${unit})` : `top ball rises to (${unit})`;
-  const crowded = !namesFit(g, w - left - 1.2 * size, title, p, theme, size);
+  const crowded = !namesFit(pen, w - left - 1.2 * size, title, p);
   const top = (crowded ? 3.6 : 2.1) * size;
   const frame: Frame = { left: left + lane, top, width: w - left - lane - 1.2 * size, height: h - 3.4 * size - top };
   const zero = lane > 0 ? left + 0.5 * lane : NaN;
@@ -41,7 +43,7 @@ export function drawCurves(
   const places = Math.max(0, -Math.floor(Math.log10(ticks[1] - ticks[0]) + 1e-9));
   const whole: Frame = { ...frame, left, width: frame.width + lane };
   drawAxes(
-    g,
+    pen,
     whole,
     x,
     y,
@@ -52,27 +54,22 @@ export function drawCurves(
       after: lane > 0 ? zero + size / 3 : undefined, // the name of gap 0
     },
     { ticks, name: (v) => v.toFixed(places).replace("-", "−"), title },
-    theme,
-    size,
   );
-  if (lane > 0) drawLane(g, frame, zero, theme, size);
+  if (lane > 0) drawLane(pen, frame, zero);
   const layout: CurveLayout = { x, y, frame, zero };
-  drawRelease(g, whole, y, p, theme);
-  drawAlone(g, whole, y, p, theme);
-  g.save();
-  g.beginPath();
-  g.rect(whole.left, whole.top - 2, whole.width, whole.height + 4);
-  g.clip();
-  drawModels(g, layout, p, theme, size);
-  drawMeasured(g, layout, p, theme);
-  g.restore();
-  drawPinned(g, layout, p, theme, size);
+  drawRelease(pen, whole, y, p);
+  drawAlone(pen, whole, y, p);
+  pen.within({ ...whole, top: whole.top - 2, height: whole.height + 4 }, () => {
+    drawModels(pen, layout, p);
+    drawMeasured(pen, layout, p);
+  });
+  drawPinned(pen, layout, p);
   const room = roomBeside(whole, layout, p);
-  drawPlace(g, layout, p, room, theme, size);
-  nameMeasured(g, layout, p, room, theme, size);
-  nameRelease(g, whole, y, p, room, theme, size);
-  nameAlone(g, whole, y, p, room, theme, size);
-  drawNames(g, whole, crowded, p, theme, size);
+  drawPlace(pen, layout, p, room);
+  nameMeasured(pen, layout, p, room);
+  nameRelease(pen, whole, y, p, room);
+  nameAlone(pen, whole, y, p, room);
+  drawNames(pen, whole, crowded, p);
   return layout;
 }
 
@@ -86,55 +83,38 @@ function extent(p: CurvePicture): [number, number] {
 }
 
 // The position of gap 0 is left of the logarithmic axis.
-function drawLane(g: CanvasRenderingContext2D, f: Frame, zero: number, theme: Theme, size: number): void {
-  g.strokeStyle = theme.line;
-  g.lineWidth = 1;
-  g.setLineDash([3, 3]);
-  stroke(g, f.left, f.top, f.left, f.top + f.height);
-  g.setLineDash([]);
-  setFont(g, theme, size);
-  g.fillStyle = theme.muted;
-  g.textAlign = "center";
-  g.textBaseline = "top";
-  g.fillText("touching", zero, f.top + f.height + 7 + 1.3 * size);
-  g.fillText("0", zero, f.top + f.height + 7);
+function drawLane(pen: Pen, f: Frame, zero: number): void {
+  const { line, muted } = pen.theme;
+  const foot = f.top + f.height;
+  pen.line(f.left, f.top, f.left, foot, line, 1, [3, 3]);
+  pen.font();
+  pen.text("touching", zero, foot + 7 + 1.3 * pen.size, muted, "center", "top");
+  pen.text("0", zero, foot + 7, muted, "center", "top");
 }
 
 // Newton's curve is solid, that of independent collisions dashed; those of setting A are thin and pale.
-function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
-  const thick = grown(size);
+function drawModels(pen: Pen, l: CurveLayout, p: CurvePicture): void {
+  const thick = grown(pen.size);
   for (const pale of [true, false]) {
     const points = pale ? p.pinned : p.points;
     const touching = pale ? p.pinnedTouching : p.touching;
-    g.globalAlpha = pale ? 0.6 : 1;
+    pen.g.globalAlpha = pale ? 0.6 : 1;
     for (const model of models) {
-      g.strokeStyle = g.fillStyle = theme[model];
-      g.lineWidth = (pale ? 1.5 : 3) * thick;
-      g.setLineDash(model === "icm" ? [8 * thick, 5 * thick] : []);
-      g.beginPath();
-      let open = false;
-      for (const q of points) {
-        if (!Number.isFinite(q[model])) {
-          open = false;
-          continue;
-        }
-        if (open) g.lineTo(l.x.at(q.x), l.y.at(q[model]));
-        else g.moveTo(l.x.at(q.x), l.y.at(q[model]));
-        open = true;
-      }
-      g.stroke();
-      g.setLineDash([]);
+      const color = pen.theme[model];
+      const dash = model === "icm" ? [8 * thick, 5 * thick] : [];
+      const places = points.map((q): [number, number] => [l.x.at(q.x), l.y.at(q[model])]);
+      pen.curve(places, color, (pale ? 1.5 : 3) * thick, dash);
       if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero))
-        dot(g, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * thick, model === "icm", theme);
+        dot(pen, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * thick, color, model === "icm");
     }
-    g.globalAlpha = 1;
+    pen.g.globalAlpha = 1;
   }
 }
 
 type Name = [text: string, color: string, dash: number[] | null];
 
 // Legend, from the right.
-function namesOf(p: CurvePicture, width: number, theme: Theme, size: number): Name[] {
+function namesOf(p: CurvePicture, width: number, { theme, size }: Pen): Name[] {
   const short = width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
   const names: Name[] = [
     [short ? independent.short : independent.label, theme.icm, [8, 5]],
@@ -147,55 +127,29 @@ function namesOf(p: CurvePicture, width: number, theme: Theme, size: number): Na
 const lineOfName = (name: Name, size: number): number => (name[2] ? 1.7 * size : name[0] === "measured" ? 14 : 0);
 
 // Whether the legend fits beside the title of the vertical axis.
-function namesFit(
-  g: CanvasRenderingContext2D,
-  width: number,
-  title: string,
-  p: CurvePicture,
-  theme: Theme,
-  size: number,
-): boolean {
-  setFont(g, theme, size);
-  let needed = g.measureText(title).width - 2.6 * size;
-  setFont(g, theme, size, 600);
-  for (const name of namesOf(p, width, theme, size))
-    needed += g.measureText(name[0]).width + 6 + lineOfName(name, size) + 0.9 * size;
+function namesFit(pen: Pen, width: number, title: string, p: CurvePicture): boolean {
+  const { size } = pen;
+  pen.font();
+  let needed = pen.widthOf(title) - 2.6 * size;
+  pen.font(1, 600);
+  for (const name of namesOf(p, width, pen)) needed += pen.widthOf(name[0]) + 6 + lineOfName(name, size) + 0.9 * size;
   return needed < width;
 }
 
 // Above the frame; in a separate row if there is little room.
-function drawNames(
-  g: CanvasRenderingContext2D,
-  f: Frame,
-  crowded: boolean,
-  p: CurvePicture,
-  theme: Theme,
-  size: number,
-): void {
-  setFont(g, theme, size, 600);
-  g.textBaseline = "bottom";
-  g.textAlign = "right";
+function drawNames(pen: Pen, f: Frame, crowded: boolean, p: CurvePicture): void {
+  const { g, size } = pen;
+  pen.font(1, 600);
   let at = f.left + f.width;
   const y = f.top - 5 - (crowded ? 1.6 * size : 0);
-  for (const name of namesOf(p, f.width, theme, size)) {
+  for (const name of namesOf(p, f.width, pen)) {
     const [text, color, dash] = name;
-    g.fillStyle = color;
-    g.fillText(text, at, y);
-    at -= g.measureText(text).width + 6;
+    pen.text(text, at, y, color, "right", "bottom");
+    at -= pen.widthOf(text) + 6;
     const line = lineOfName(name, size);
-    if (dash) {
-      g.strokeStyle = color;
-      g.lineWidth = 3 * grown(size);
-      g.setLineDash(dash);
-      stroke(g, at - line, y - 0.5 * size, at, y - 0.5 * size);
-      g.setLineDash([]);
-    } else if (line > 0) {
-      g.beginPath();
-      g.moveTo(at - 6, y - 0.5 * size - 6);
-      g.lineTo(at, y - 0.5 * size);
-      g.lineTo(at - 6, y - 0.5 * size + 6);
-      g.lineTo(at - 12, y - 0.5 * size);
-      g.closePath();
+    if (dash) pen.line(at - line, y - 0.5 * size, at, y - 0.5 * size, color, 3 * grown(size), dash);
+    else if (line > 0) {
+      diamond(g, at - 6, y - 0.5 * size, 6);
       g.fill();
     }
     at -= line + 0.9 * size;

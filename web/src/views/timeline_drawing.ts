@@ -1,7 +1,8 @@
 // The timeline as a picture: bands in which bodies touch, the end of the floor contact, the present ε.
 import type { Contact, TimelineRow } from "../core/core";
 import type { Drop } from "../core/drop";
-import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "../support/plot";
+import { Pen, type Frame } from "../support/pen";
+import { drawAxes, fontSize, grown, Scale, timeTicks, timeUnit } from "../support/plot";
 import type { Theme } from "../style/theme";
 
 export interface TimelinePicture {
@@ -26,6 +27,7 @@ export function drawTimeline(
 ): TimelineLayout {
   g.clearRect(0, 0, w, h);
   const size = fontSize(w);
+  const pen = new Pen(g, theme, size);
   const f: Frame = { left: 3.2 * size, top: 2.2 * size, width: w - 3.2 * size - 1.4 * size, height: h - 5.4 * size };
   const begin = d.scenario.cradle ? d.from - 0.02 * (d.to - d.from) : Math.min(0, d.from);
   const { span } = p;
@@ -36,17 +38,14 @@ export function drawTimeline(
     f.left + f.width,
   );
   const y = new Scale(0, 1, f.top + f.height, f.top);
-  g.save();
-  g.beginPath();
-  g.rect(f.left, f.top, f.width, f.height);
-  g.clip();
-  drawBands(g, x, y, p.rows, d.scenario.balls.length > 2, theme);
-  drawAdiabatic(g, x, y, p.adiabatic, theme);
-  drawFloorEnd(g, x, y, p.rows, theme, grown(size));
-  g.restore();
+  pen.within(f, () => {
+    drawBands(pen, x, y, p.rows, d.scenario.balls.length > 2);
+    drawAdiabatic(pen, x, y, p.adiabatic);
+    drawFloorEnd(pen, x, y, p.rows);
+  });
   const [factor, unit] = timeUnit(x.high - x.low);
   drawAxes(
-    g,
+    pen,
     f,
     x,
     y,
@@ -55,23 +54,15 @@ export function drawTimeline(
       title: `time (${unit})`,
     },
     { ticks: [0, 0.2, 0.4, 0.6, 0.8, 1], name: (v) => v.toFixed(1), title: "ε" },
-    theme,
-    size,
     false,
   );
-  drawChosen(g, x, y, f, d, theme, size);
+  drawChosen(pen, x, y, f, d);
   return { x, y, frame: f };
 }
 
 // Draws the regions in which two bodies touch. A region consists of neighbouring rows with the same contacts.
-function drawBands(
-  g: CanvasRenderingContext2D,
-  x: Scale,
-  y: Scale,
-  rows: TimelineRow[],
-  several: boolean,
-  theme: Theme,
-): void {
+function drawBands(pen: Pen, x: Scale, y: Scale, rows: TimelineRow[], several: boolean): void {
+  const { theme } = pen;
   // A contact that never ends extends to the edge of the plot.
   const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high));
   for (const group of runsOf(rows)) {
@@ -87,16 +78,10 @@ function drawBands(
         edge.unshift([edge[0][0], bottom + over]);
         edge.push([edge[last + 1][0], top - over]);
       }
-      g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
-      g.globalAlpha = several && pair > 0 ? 0.16 : 1;
-      trace(g, [...left, ...right.reverse()]);
-      g.fill();
-      g.globalAlpha = 1;
-      g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: edges distinguish them
-      for (const edge of [left, right]) {
-        trace(g, edge);
-        g.stroke();
-      }
+      const color = pair === 0 ? theme.faint : theme.pairs[pair];
+      pen.area([...left, ...right.reverse()], color, several && pair > 0 ? 0.16 : 1);
+      const width = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: edges distinguish them
+      for (const edge of [left, right]) pen.curve(edge, color, width);
     });
   }
 }
@@ -109,7 +94,7 @@ function border(rows: TimelineRow[], row: TimelineRow, side: 1 | -1): number {
 
 // Draws the edges of the adiabatic contacts over the bands. Where both coincide, the lower ball is not affected by the
 // upper one.
-function drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: TimelineRow[], theme: Theme): void {
+function drawAdiabatic({ g, theme }: Pen, x: Scale, y: Scale, rows: TimelineRow[]): void {
   g.fillStyle = theme.ink;
   for (const group of runsOf(rows))
     group[0].contacts.forEach(({ pair }, k) => {
@@ -124,59 +109,27 @@ function drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, rows: Ti
     });
 }
 
-function drawFloorEnd(
-  g: CanvasRenderingContext2D,
-  x: Scale,
-  y: Scale,
-  rows: TimelineRow[],
-  theme: Theme,
-  thick: number,
-): void {
-  g.strokeStyle = theme.ink;
-  g.lineWidth = 2 * thick;
-  g.setLineDash([7 * thick, 5 * thick]);
-  g.beginPath();
-  let open = false;
-  for (const { restitution, tFloorEnd } of rows) {
-    if (Number.isFinite(tFloorEnd)) g[open ? "lineTo" : "moveTo"](x.at(tFloorEnd), y.at(restitution));
-    open = Number.isFinite(tFloorEnd);
-  }
-  g.stroke();
-  g.setLineDash([]);
+function drawFloorEnd(pen: Pen, x: Scale, y: Scale, rows: TimelineRow[]): void {
+  const thick = grown(pen.size);
+  const ends = rows.map(({ restitution, tFloorEnd }): [number, number] => [x.at(tFloorEnd), y.at(restitution)]);
+  pen.curve(ends, pen.theme.ink, 2 * thick, [7 * thick, 5 * thick]);
 }
 
-function drawChosen(
-  g: CanvasRenderingContext2D,
-  x: Scale,
-  y: Scale,
-  f: Frame,
-  d: Drop,
-  theme: Theme,
-  size: number,
-): void {
+function drawChosen(pen: Pen, x: Scale, y: Scale, f: Frame, d: Drop): void {
+  const { theme, size } = pen;
   const at = y.at(d.scenario.restitution);
-  g.strokeStyle = theme.ink;
-  g.lineWidth = 3 * grown(size);
-  stroke(g, f.left, at, f.left + f.width, at);
-  setFont(g, theme, size, 700);
+  pen.line(f.left, at, f.left + f.width, at, theme.ink, 3 * grown(size));
+  pen.font(1, 700);
   const text = `ε = ${Number(d.scenario.restitution.toPrecision(4))}`;
-  const width = g.measureText(text).width;
-  g.fillStyle = theme.ink;
-  g.textAlign = "right";
-  g.textBaseline = "middle";
+  const width = pen.widthOf(text);
   const above = at - f.top > 2 * size;
   const middle = above ? at - 0.9 * size : at + 0.95 * size;
-  g.fillStyle = theme.ground;
-  g.globalAlpha = 0.85;
-  g.fillRect(f.left + f.width - width - 14, middle - 0.7 * size, width + 10, 1.4 * size);
-  g.globalAlpha = 1;
-  g.fillStyle = theme.ink;
-  g.fillText(text, f.left + f.width - 9, middle);
+  pen.veil(f.left + f.width - width - 14, middle - 0.7 * size, width + 10, 1.4 * size, theme.ground, 0.85);
+  pen.text(text, f.left + f.width - 9, middle, theme.ink, "right");
   if (d.scenario.balls.length !== 2) {
-    drawNames(g, f, d.scenario.balls.length, theme, size);
+    drawNames(pen, f, d.scenario.balls.length);
     return;
   }
-  g.textAlign = "center";
   let right = -Infinity;
   d.newton.run.contacts
     .filter((c) => c.pair === 1 && c.begin <= d.newton.run.last)
@@ -185,31 +138,23 @@ function drawChosen(
       // The cursor of the film often stands in the middle of a long contact.
       const center = Math.min(x.at((c.begin + end) / 2), x.at(c.begin) + 1.2 * size);
       const name = String(i + 1);
-      const half = g.measureText(name).width / 2 + 3;
+      const half = pen.widthOf(name) / 2 + 3;
       if (center - half < right || center > f.left + f.width - width - 20) return;
       right = center + half;
-      g.globalAlpha = 0.85;
-      g.fillStyle = theme.ground;
-      g.fillRect(center - half, middle - 0.65 * size, 2 * half, 1.3 * size);
-      g.globalAlpha = 1;
-      g.fillStyle = theme.ink;
-      g.fillText(name, center, middle);
+      pen.veil(center - half, middle - 0.65 * size, 2 * half, 1.3 * size, theme.ground, 0.85);
+      pen.text(name, center, middle, theme.ink, "center");
     });
 }
 
-function drawNames(g: CanvasRenderingContext2D, f: Frame, balls: number, theme: Theme, size: number): void {
-  setFont(g, theme, size, 700);
-  g.textAlign = "right";
-  g.textBaseline = "bottom";
+function drawNames(pen: Pen, f: Frame, balls: number): void {
+  pen.font(1, 700);
   let at = f.left + f.width;
   for (let j = balls - 1; j >= 1; j--) {
     const name = `${j}–${j + 1}`;
-    g.fillStyle = theme.pairs[j];
-    g.fillText(name, at, f.top - 4);
-    at -= g.measureText(name).width + 0.9 * size;
+    pen.text(name, at, f.top - 4, pen.theme.pairs[j], "right", "bottom");
+    at -= pen.widthOf(name) + 0.9 * pen.size;
   }
-  g.fillStyle = theme.muted;
-  g.fillText("balls", at, f.top - 4);
+  pen.text("balls", at, f.top - 4, pen.theme.muted, "right", "bottom");
 }
 
 // Whether two rows have the same contacts, in the same order.
@@ -218,11 +163,6 @@ export const alike = (a: TimelineRow, b: TimelineRow): boolean =>
   a.contacts.every(
     (c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end),
   );
-
-function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
-  g.beginPath();
-  for (const place of places) g.lineTo(...place);
-}
 
 // A dotted line of rectangles: a dashed stroke with so many dots takes a hundred times as long.
 function dots(g: CanvasRenderingContext2D, places: [number, number][]): void {

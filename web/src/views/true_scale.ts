@@ -37,18 +37,16 @@ export class TrueScale extends Painter {
     const scale = Math.min((floor - top) / (1.03 * d.top), (0.84 * lane) / (2 * largest));
     const height = (floor - top) / scale;
     this.font(0.88);
-    g.lineWidth = 1;
     const ticks = niceTicks(0, height, Math.min(6, (floor - top) / (2.6 * size)));
     for (const z of ticks) {
       const y = floor - z * scale;
-      g.strokeStyle = theme.faint;
-      this.line(left, y, r.x + r.w, y);
+      this.line(left, y, r.x + r.w, y, theme.faint);
       this.text(digitsOf(z, ticks), left - 8, y, theme.muted, "right");
     }
     this.floor(left, r.x + r.w, floor);
     const nameSize = Math.min(1, lane / (3 * size));
     this.font(nameSize, 600);
-    const needed = 0.5 * this.models().reduce((sum, [name]) => sum + g.measureText(name).width, size);
+    const needed = 0.5 * this.models().reduce((sum, [name]) => sum + this.widthOf(name), size);
     const aside = 0.5 * Math.max(needed - lane, 0); // shifts the names apart if a lane is narrower than its name
     this.models().forEach(([name, color, state, track, ghost], k) => {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
@@ -102,9 +100,7 @@ export class TrueScale extends Painter {
     this.font(0.88);
     const ticks = niceTicks(d.bottom, d.top, Math.min(6, ((d.top - d.bottom) * scale) / (4 * size)));
     for (const z of ticks) {
-      g.strokeStyle = theme.faint;
-      g.lineWidth = 1;
-      this.line(origin + z * scale, top, origin + z * scale, bottom);
+      this.line(origin + z * scale, top, origin + z * scale, bottom, theme.faint);
       this.text(digitsOf(z, ticks), origin + z * scale, bottom + size, theme.muted, "center");
     }
     this.models().forEach(([name, color, state, , ghost], k) => {

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from . import formulas
+from .reader import names
 from .statements import Branch, Place, Statement, Undefined, logical_lines, refusal, refused, scan, split
 
 VARIABLE: Final = re.compile(
@@ -43,11 +44,10 @@ LOGICAL: Final = {
     **dict.fromkeys(("no", "off", "false"), 0.0),
 }
 #: Commands that cannot change contacts, grains or the time step.
-SILENT_NAMES: Final = """
+SILENT: Final = names("""
 print log echo shell dump dump_modify undump thermo thermo_style thermo_modify write_restart write_data write_dump
 restart write_coeff compute uncompute compute_modify info timer
-"""
-SILENT: Final = frozenset(SILENT_NAMES.split())
+""")
 
 
 @dataclass(frozen=True)

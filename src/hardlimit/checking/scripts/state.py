@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Final, Self
 
 from ...support.formatting import listed
 from . import conditions, filling, motion, population
@@ -29,6 +29,7 @@ from .description import (
 from .formulas import NUMBER
 from .granular_words import unaccelerated
 from .population import Batch, Population
+from .reader import Reader, names
 from .statements import Branch, Place, Refusal, Statement, Undefined, refused
 
 #: Default time step of each system of units.
@@ -51,9 +52,9 @@ MAX_NUMBER: Final = 10**9  #: of a grain
 MAX_FORKS: Final = 3  #: states at a label with which a new one is compared
 ZEROS: Final = {"0", "0.0", "0."}
 #: Styles of ``group``, ``create_atoms`` and ``fix gravity``.
-GROUP_STYLES: Final = """
+GROUP_STYLES: Final = names("""
 type id molecule region union subtract intersect empty include variable clear delete dynamic static initialize
-"""
+""")
 PLACES: Final = {"box", "region", "single", "random", "mesh"}
 DIRECTIONS: Final = (("chute",), ("spherical",), ("vector",))
 #: Logical operators of ``group … type``.
@@ -87,15 +88,14 @@ COEFFICIENTS: Final = re.compile(r"^\s*Pair(?:IJ)? Coeffs\b", re.MULTILINE)
 #: Properties that ``fix property/atom`` defines.
 CUSTOM: Final = re.compile(r"[id]2?_\w+")
 #: Commands that are read below, or that affect neither contacts nor grains.
-HARMLESS_NAMES: Final = """
+HARMLESS: Final = SILENT | names("""
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
 delete_bonds dihedral_coeff dihedral_style displace_atoms improper_coeff improper_style kspace_modify
 label lattice log mass min_modify min_style minimize modify_timing neb neighbor newton package partition
 processors replicate rerun reset_atom_ids reset_atoms reset_ids reset_mol_ids reset_timestep shell thermo_log
 special_bonds suffix velocity hard_particles soft_particles next jump fix_modify bond_coeff pair_modify pair_write
 group2ndx ndx2group quit partitioner_style extract_surface extrude_surface
-"""
-HARMLESS: Final = SILENT | frozenset(HARMLESS_NAMES.split())
+""")
 #: Fixes that only observe, or affect how the program runs.
 HARMLESS_FIX_NAMES: Final = """
 ave/ print store/ balance enforce2d property/atom vector recenter check/timestep dt/reset halt restart massflow/mesh
@@ -106,11 +106,10 @@ HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
 #: Fixes whose effect is not in their own words, or has none.
 ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
-NO_SETTINGS_NAMES: Final = """
+NO_SETTINGS: Final = names("""
 variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
 changed_since undefined forks system unclear steps_done regions fixes time_step filling
-"""
-NO_SETTINGS: Final = frozenset(NO_SETTINGS_NAMES.split())
+""")
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
@@ -161,7 +160,7 @@ class Fix:
 
 
 @dataclass
-class State:
+class State(Reader):
     """Commands that LAMMPS and LIGGGHTS share; a subclass reads the contacts."""
 
     variables: Variables
@@ -172,12 +171,7 @@ class State:
     part: bool = False  #: whether this is a part of a script, at whose end the settings matter
 
     def __post_init__(self) -> None:
-        self.ignored: dict[Note, None] = {}
-        self.invalidates: dict[Note, None] = {}
-        self.warnings: dict[Note, None] = {}
-        self.unknown: dict[Quote, None] = {}
-        self.refused: dict[str, None] = {}
-        self.stages: list[Stage] = []
+        self.begin()
         self.last: Statement | None = None
         self.granular = False  #: whether there are granular contacts, understood or not
         self.changed_since = True  #: whether settings may differ from those of the last stage
@@ -234,16 +228,7 @@ class State:
             self.stage(self.last.quote, None)
         if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
-        return Description(
-            code=self.code,
-            version=self.version,
-            stages=tuple(self.stages),
-            ignored=tuple(self.ignored),
-            invalidates=tuple(self.invalidates),
-            warnings=tuple(self.warnings),
-            unknown=tuple(self.unknown),
-            refused=tuple(self.refused),
-        )
+        return self.described()
 
     def without_values(self) -> ValueError:
         """The error that names all variables whose values are missing."""
@@ -464,7 +449,7 @@ class State:
     def command_group(self, statement: Statement) -> None:
         name, style, *words = (*statement.words[1:], "", "")
         words = [word for word in words if word]
-        if style not in GROUP_STYLES.split():
+        if style not in GROUP_STYLES:
             self.unknown[statement.quote] = None
         old = self.groups.get(name)
         if style in ("delete", "clear"):
@@ -652,20 +637,14 @@ class State:
     def note_stage(self, quote: Quote, steps: int | None) -> None:
         """The stage of a run, or a longer one before it."""
         if self.stages and not self.changed_since:
-            self.longer(steps)
+            self.longer(steps, filling.contents(self, self.stages[-1]))
             return
         self.changed_since = False
         new = conditions.without(self.now(quote, steps), self.unclear)
         self.note_adhesion(new.contacts)
         self.note_friction(new.contacts)
-        same: dict[str, Any] = {
-            "quote": quote,
-            "steps": steps,
-            "system": new.system,
-            "contents": new.contents,
-        }
-        if self.stages and replace(self.stages[-1], **same) == new:
-            self.longer(steps)
+        if self.continues(new):
+            self.longer(steps, filling.contents(self, self.stages[-1]))
         else:
             self.stages.append(new)
 
@@ -739,12 +718,6 @@ class State:
         if any(fix.style.startswith("dt/reset") for fix in self.fixes.values()):
             return None
         return TIME_STEPS[self.units] if self.time_step is None else self.time_step
-
-    def longer(self, steps: int | None) -> None:
-        """Continue the last stage."""
-        old = self.stages[-1]
-        both = None if steps is None or old.steps is None else old.steps + steps
-        self.stages[-1] = replace(old, steps=both, contents=filling.contents(self, old))
 
     # --- grains -------------------------------------------------------------------------------------------------
 
@@ -1024,17 +997,13 @@ class State:
 
     def frozen(self, kind: int) -> bool:
         """Whether no contact changes the velocity of a grain of a type."""
-        integrated = False
-        integrators = [
-            fix
+        groups = [
+            self.members(fix.group)
             for fix in self.fixes.values()
             if fix.style.startswith(INTEGRATORS) and not fix.style.startswith(PRESCRIBED)
         ]
-        for fix in integrators:
-            group = self.members(fix.group)
-            integrated = integrated or group.types is None or kind in group.types
-        stopped = self.stopped("freeze", kind) or self.stopped("setforce", kind)
-        return stopped or bool(integrators and not integrated)
+        integrated = not groups or any(group.types is None or kind in group.types for group in groups)
+        return not integrated or self.stopped("freeze", kind) or self.stopped("setforce", kind)
 
     def integrators_of(self, kind: int) -> list[Fix]:
         """The fixes that move grains of a type."""

@@ -34,6 +34,7 @@ from .materials import one_material
 from .motion import STEADY, UNKNOWN, strongest
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
+from .reader import Reader, names
 from .statements import quoted, refusal
 from .yade_container import Ends, is_number, vector
 from .yade_container import union as around
@@ -111,8 +112,7 @@ UNDAMPED_LAWS: Final = (
     "Law2_ScGeom_MindlinPhys_HertzWithLinearShear",
     "Law2_ScGeom_MindlinPhys_MindlinDeresiewitz",
 )
-STICKY_PARTS: Final = "Coh JCFpm Cpm Wire Cap Luding Mortar Bubble Lubrication CDM Bshd"
-STICKY: Final = tuple(STICKY_PARTS.split())
+STICKY: Final = names("Coh JCFpm Cpm Wire Cap Luding Mortar Bubble Lubrication CDM Bshd")
 #: What adds forces beside contacts.
 FORCES: Final = {
     "Drag": "drag",
@@ -126,19 +126,16 @@ FORCES: Final = {
     "ForceEngine": "an additional force",
     "Centrifugal": "an additional force",
 }
-MOTION_NAMES: Final = """
-TranslationEngine RotationEngine HelixEngine HarmonicMotionEngine HarmonicRotationEngine BicyclePedalEngine
-StepDisplacer ServoPIDController TriaxialStressController TriaxialCompressionEngine PeriTriaxController
-PeriIsoCompressor Peri3dController ThreeDTriaxialEngine CombinedKinematicEngine UniaxialStrainer
-KinemCTDEngine KinemSimpleShearBox
-"""
-MOTION: Final = frozenset(MOTION_NAMES.split())
-#: Those that prescribe a stress or a strain of all grains.
-PRESSING_NAMES: Final = """
+#: Engines that prescribe a stress or a strain of all grains.
+PRESSING: Final = names("""
 TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
 ThreeDTriaxialEngine UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
-"""
-PRESSING: Final = frozenset(PRESSING_NAMES.split())
+""")
+#: All that move something.
+MOTION: Final = PRESSING | names("""
+TranslationEngine RotationEngine HelixEngine HarmonicMotionEngine HarmonicRotationEngine BicyclePedalEngine
+StepDisplacer CombinedKinematicEngine
+""")
 #: The stresses of those that prescribe one, and which of them are stresses by default: a bit for each.
 PRESSURES: Final = {
     "PeriTriaxController": (("goal",), 0),
@@ -152,132 +149,66 @@ STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
 #: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
 HARMONIC: Final = (("A", (0.0, 0.0, 0.0)), ("f", (0.0, 0.0, 0.0)))
 #: Engines that change neither contacts nor grains.
-ENGINE_NAMES: Final = """
+ENGINES: Final = names("""
 ForceResetter InsertionSortCollider SpatialQuickSortCollider FlatGridCollider InteractionLoop NewtonIntegrator PyRunner
 PeriodicPythonRunner PeriodicEngine DomainLimiter SnapshotEngine BoxFactory CircularFactory GravityEngine
 GlobalStiffnessTimeStepper ResetRandomPosition IntrCallback ParallelEngine BoundDispatcher
-"""
-ENGINES: Final = frozenset(ENGINE_NAMES.split())
+""")
 #: Functions that make bodies other than spheres: facets, walls and boxes.
-SHAPES: Final = {
-    "facet": "facets",
-    **dict.fromkeys(
-        ("facetBox", "facetCylinder", "facetSphere", "facetCone", "facetPolygon", "facetBunker"), "facets"
-    ),
-    **dict.fromkeys(
-        ("facetHelix", "facetParallelepiped", "facetTorus", "stl", "gts", "gmsh", "unv", "iges"), "facets"
-    ),
-    **dict.fromkeys(("gtsSurface2Facets", "textFacets", "blockMeshFacets"), "facets"),
-    "wall": "walls",
-    "box": "boxes",
-    "aabbWalls": "boxes",
-}
+SHAPES: Final = dict.fromkeys(
+    names("""
+    facet facetBox facetCylinder facetSphere facetCone facetPolygon facetBunker facetHelix facetParallelepiped
+    facetTorus stl gts gmsh unv iges gtsSurface2Facets textFacets blockMeshFacets
+    """),
+    "facets",
+) | {"wall": "walls", "box": "boxes", "aabbWalls": "boxes"}
 #: Functions that make spheres of sizes that are not in the script.
-FILES: Final = ("text", "textExt", "textClumps", "gengeo", "gengeoFile", "ele", "load", "loadTmp")
-PACK_FILES: Final = (
-    "load",
-    "fromFile",
-    "fromList",
-    "particleSD",
-    "particleSD2",
-    "particleSD_2d",
-    "makeOverlappingCloud",
-)
-CLUMPS: Final = (
-    "appendClumped",
-    "makeClumpCloud",
-    "clump",
-    "clumpTemplate",
-    "replaceByClumps",
-    "polyhedron",
-    "tetra",
-)
+FILES: Final = names("text textExt textClumps gengeo gengeoFile ele load loadTmp")
+PACK_FILES: Final = names("load fromFile fromList particleSD particleSD2 particleSD_2d makeOverlappingCloud")
+CLUMPS: Final = names("appendClumped makeClumpCloud clump clumpTemplate replaceByClumps polyhedron tetra")
 #: Modules whose functions of the same names make no bodies.
-READERS: Final = ("export", "pickle", "cPickle", "np", "numpy", "json", "yaml", "plot", "pd", "pandas")
+READERS: Final = names("export pickle cPickle np numpy json yaml plot pd pandas")
 #: Bodies that are no spheres, whose contacts are not read.
-OTHER_SHAPES: Final = (
-    "gridNode",
-    "gridConnection",
-    "pfacet",
-    "chainedCylinder",
-    "levelSetBody",
-    "lsSimpleShape",
-)
-#: Attributes that change contacts, grains or time steps while the script runs.
-CHANGING_NAMES: Final = """
-young poisson density densityScaling en betan kn cn tc gravity damping radius mass mat material dynamic blockedDOFs dt
-engines active dead isCohesive normalCohesion setCohesionNow setCohesionOnNewContacts hertzian functors SPHmode
-"""
-#: Those that change only tangential forces.
-TANGENTIAL_NAMES: Final = """
+OTHER_SHAPES: Final = names("gridNode gridConnection pfacet chainedCylinder levelSetBody lsSimpleShape")
+#: Attributes that change only tangential forces.
+TANGENTIAL: Final = names("""
 frictionAngle frictAngle tangensOfFrictionAngle et es ks cs betas nonLin krot ktwist eta includeMoment mR mRtype alphaKr
 alphaKtw etaRoll etaTwist momentRotationLaw always_use_moment_law inertia
-"""
-TANGENTIAL: Final = frozenset(TANGENTIAL_NAMES.split())
-CHANGING: Final = frozenset(CHANGING_NAMES.split()) | TANGENTIAL
+""")
 #: Those that change the normal force of contacts.
-OF_CONTACTS: Final = (
-    CHANGING
-    - TANGENTIAL
-    - {
-        *(
-            "density",
-            "densityScaling",
-            "gravity",
-            "radius",
-            "mass",
-            "dynamic",
-            "blockedDOFs",
-            "dt",
-            "active",
-            "dead",
-        )
-    }
+OF_CONTACTS: Final = names("""
+young poisson en betan kn cn tc damping mat material engines isCohesive normalCohesion setCohesionNow
+setCohesionOnNewContacts hertzian functors SPHmode
+""")
+#: Those that change contacts, grains or time steps while the script runs.
+CHANGING: Final = (
+    OF_CONTACTS
+    | TANGENTIAL
+    | names("density densityScaling gravity radius mass dynamic blockedDOFs dt active dead")
 )
 #: Attributes of ``O`` that change neither contacts nor grains.
-SCENE_NAMES: Final = """
+SCENE_NAMES: Final = names("""
 trackEnergy timingEnabled stopAtIter stopAtTime subStepping subStep tags periodic miscParams numThreads speed iter time
-"""
+""")
 #: Methods of ``O`` that change neither contacts nor grains.
-SCENE_METHODS: Final = """
+SCENE_METHODS: Final = names("""
 pause wait resetTime exitNoBacktrace labeledEngine plugins lsTmp isChildClassOf childClassesNonrecursive
 disableGdb realtime sceneToString tmpToFile tmpToString
-"""
+""")
 #: Where a script gets names from that cannot change the scene unseen.
-MODULE_NAMES: Final = """
+KNOWN_MODULES: Final = sys.stdlib_module_names | names("""
 yade numpy scipy matplotlib pylab pandas mpi4py minieigen minieigenHP gts vtk past builtins future h5py sklearn tqdm
 IPython PyQt4 PyQt5 cPickle ConfigParser Queue StringIO sympy mpmath numba networkx seaborn cv2 PIL plotly meshio
-"""
-KNOWN_MODULES: Final = frozenset(MODULE_NAMES.split()) | sys.stdlib_module_names
+""")
 #: The scene and its bodies, by whatever name.
 SCENE: Final = Unknown("O")
 BODIES: Final = Unknown("O.bodies")
 #: Functions that may have the scene or its bodies as an argument and leave it as it is.
-PLAIN: Final = (
-    "print",
-    "len",
-    "str",
-    "repr",
-    "type",
-    "dir",
-    "id",
-    "list",
-    "isinstance",
-    "enumerate",
-    "sorted",
-)
+PLAIN: Final = names("print len str repr type dir id list isinstance enumerate sorted")
 #: Calls that change bodies, or add forces to those of contacts.
-FORCE_METHODS: Final = ("addF", "setPermF", "addForce", "addT", "setPermT", "addTorque", "addMove", "addRot")
-TOUCHING: Final = (
-    "toSimulation",
-    "growParticles",
-    "growParticle",
-    "load",
-    "loadTmp",
-    "reload",
-    "reset",
-    "setContactFriction",
-    *FORCE_METHODS,
+FORCE_METHODS: Final = names("addF setPermF addForce addT setPermT addTorque addMove addRot")
+TOUCHING: Final = FORCE_METHODS | names(
+    "toSimulation growParticles growParticle load loadTmp reload reset setContactFriction"
 )
 #: Where a script revives a dead engine.
 REVIVED: Final = re.compile(r"\.dead\s*=(?!\s*(True|1\b))|setattr")
@@ -323,8 +254,10 @@ class Body:
     ends: Ends | None = None  #: of spheres: between which they are made
 
 
-class Yade(Evaluator):
+class Yade(Reader, Evaluator):
     """A script of YADE."""
+
+    code, version = "yade", None
 
     def __init__(
         self,
@@ -356,14 +289,9 @@ class Yade(Evaluator):
         self.time_step: float | None = None
         self.time_step_given = self.elsewhere = False
         self.strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
-        self.stages: list[Stage] = []
         self.system = 0  #: number of the scene
-        self.ignored: dict[Note, None] = {}
-        self.invalidates: dict[Note, None] = {}
-        self.warnings: dict[Note, None] = {}
+        self.begin()
         self.locked: Quote | None = None  #: the same of bodies of which it is not known which ones they are
-        self.unknown: dict[Quote, None] = {}
-        self.refused: dict[str, None] = {}
         self.revives = REVIVED.search(text) is not None
         self.engines: list[Any] = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
         self.instances.clear()
@@ -371,6 +299,18 @@ class Yade(Evaluator):
 
     def quote(self, line: int, text: str) -> Quote:
         return quoted(self.file, line, text)
+
+    def at(self, source: Instance) -> Quote:
+        """The statement that makes something."""
+        return self.quote(source.line, source.text)
+
+    def ignore(self, what: str, quote: Quote | None) -> None:
+        """Note what leaves head-on collisions as they are."""
+        self.ignored[Note(what, None, quote)] = None
+
+    def invalidate(self, what: str, quote: Quote) -> None:
+        """Note what makes hard spheres wrong."""
+        self.invalidates[Note(what, None, quote)] = None
 
     # --- what the script does -----------------------------------------------------------------------------------
 
@@ -508,7 +448,7 @@ class Yade(Evaluator):
         elif owner == "O.cell" and name in ("velGrad", "nextVelGrad"):
             quote = self.quote(getattr(node, "lineno", 1), self.source(node))
             self.strain = value, quote
-            self.ignored[Note(f"a box that deforms (O.cell.{name})", None, quote)] = None
+            self.ignore(f"a box that deforms (O.cell.{name})", quote)
         elif isinstance(owner, Instance):
             body = body_of(owner)
             if body is not None and name in CHANGING:
@@ -553,7 +493,7 @@ class Yade(Evaluator):
         elif name in ("dynDt", "usesTimeStepper") and isinstance(value, bool | int):
             for stepper in self.used("GlobalStiffnessTimeStepper"):
                 stepper.attributes["active"] = bool(value)
-        elif name not in SCENE_NAMES.split():
+        elif name not in SCENE_NAMES:
             self.not_understood(node)
 
     def body_assigned(self, body: Body, name: str, value: Any, node: ast.AST) -> bool:
@@ -590,12 +530,7 @@ class Yade(Evaluator):
         if owner == "O.cell" and name == "setBox":
             self.filling.cell = vector(instance.argument(0, "size")) or vector(instance.arguments)
         if owner == "O.forces" and name in FORCE_METHODS:
-            note = Note(
-                f"an additional force or displacement (O.forces.{name})",
-                None,
-                self.quote(instance.line, instance.text),
-            )
-            self.invalidates[note] = None
+            self.invalidate(f"an additional force or displacement (O.forces.{name})", self.at(instance))
             self.filling.container.known = False
         if isinstance(owner, Instance) and owner.name == "SpherePack":
             self.pack_method(name, owner, instance)
@@ -622,12 +557,9 @@ class Yade(Evaluator):
         elif name in CLUMPS or name in OTHER_SHAPES:
             self.clumps(instance)
         elif name == "readParamsFromTable":
-            plain = {
-                key: value
-                for key, value in instance.attributes.items()
-                if key not in ("noTableOk", "unknownOk")
-            }
-            self.table |= {**plain, **{key: value for key, value in self.given.items() if key in plain}}
+            for key, value in instance.attributes.items():
+                if key not in ("noTableOk", "unknownOk"):
+                    self.table[key] = self.given.get(key, value)
         else:
             return self.function(name, owner, instance)
         return instance
@@ -649,9 +581,7 @@ class Yade(Evaluator):
             )
         if name == "isinstance" and len(arguments) == 2 and (body := body_of(arguments[0])) is not None:
             kind = arguments[1].text.rpartition(".")[2] if isinstance(arguments[1], Unknown) else ""
-            return body.kind == {"Sphere": "sphere", "Facet": "facets", "Wall": "walls", "Box": "boxes"}.get(
-                kind
-            )
+            return SHAPE_NAMES.get(body.kind) == kind
         if name == "runningInBatch":
             return False
         root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""
@@ -662,7 +592,7 @@ class Yade(Evaluator):
         if name == "setContactFriction" and not self.repeats:
             self.set_friction(instance)
         elif hidden or root in self.foreign or passed:
-            self.unknown[self.quote(instance.line, instance.text)] = None
+            self.unknown[self.at(instance)] = None
         return instance
 
     def set_friction(self, instance: Instance) -> None:
@@ -673,7 +603,7 @@ class Yade(Evaluator):
                 material.attributes["frictionAngle"] = instance.argument(0, "angleRad")
         if any("frictAngle" in functor.attributes for functor in self.used("Ip2_")):
             what = "setContactFriction changes contacts that last: new ones have the functor's frictAngle"
-            self.warnings[Note(what, None, self.quote(instance.line, instance.text))] = None
+            self.warnings[Note(what, None, self.at(instance))] = None
 
     def list_method(self, name: str, owner: list[Any], instance: Instance) -> Any:
         """Methods of lists, and of ``O.materials`` and ``O.engines``."""
@@ -692,7 +622,7 @@ class Yade(Evaluator):
             return Unknown(instance.text)
         if re.search(r"\.engines\.(append|insert|extend)\(", instance.text):
             what = "a method of a copy of O.engines, which adds no engine"
-            self.ignored[Note(what, None, self.quote(instance.line, instance.text))] = None
+            self.ignore(what, self.at(instance))
         return None
 
     def scene_method(self, name: str, instance: Instance) -> Any:
@@ -700,11 +630,11 @@ class Yade(Evaluator):
         if name in ("run", "step"):
             steps = instance.argument(0, "steps", -1) if name == "run" else 1
             count = int(steps) if isinstance(steps, int | float) and 0 <= steps < 1e18 else None
-            self.stage(self.quote(instance.line, instance.text), count)
+            self.stage(self.at(instance), count)
         elif name in ("load", "loadTmp", "reload"):
             self.loaded(instance)
         elif self.repeats and name.startswith("reset") and name != "resetTime":
-            self.unknown[self.quote(instance.line, instance.text)] = None
+            self.unknown[self.at(instance)] = None
         elif name in ("reset", "resetThisScene", "resetCurrentScene", "resetAllScenes"):
             self.system += 1
             self.materials.clear()
@@ -715,8 +645,8 @@ class Yade(Evaluator):
             return self.names.get(str(instance.arguments[0]), Unknown(instance.text))
         elif name in ("save", "saveTmp"):
             self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
-        elif name not in SCENE_METHODS.split():
-            self.unknown[self.quote(instance.line, instance.text)] = None
+        elif name not in SCENE_METHODS:
+            self.unknown[self.at(instance)] = None
         return Unknown(instance.text)
 
     def loaded(self, instance: Instance) -> None:
@@ -729,7 +659,7 @@ class Yade(Evaluator):
 
     def bodies_method(self, name: str, instance: Instance) -> Any:
         """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
-        quote = self.quote(instance.line, instance.text)
+        quote = self.at(instance)
         if name in ("clear", "replace") and self.repeats:
             self.unknown[quote] = None
         elif name in ("clear", "replace"):
@@ -747,7 +677,7 @@ class Yade(Evaluator):
             self.clumps(instance)
         elif name == "erase":
             self.filling.census.complete = False
-            self.ignored[Note("bodies that are removed (O.bodies.erase)", None, quote)] = None
+            self.ignore("bodies that are removed (O.bodies.erase)", quote)
         elif name not in ("clear", "getRoundness"):
             self.unknown[quote] = None
         return Unknown(instance.text)
@@ -787,17 +717,12 @@ class Yade(Evaluator):
         raise refusal(instance.line, instance.text, "have a known material", self.file)
 
     def body(self, instance: Instance, kind: str, radii: Range | None, place: int = -1) -> Body:
-        moves = instance.attributes.get("dynamic")
-        frozen = bool(instance.attributes.get("fixed") in (True, 1) or moves in (False, 0))
+        fixed, moves = (instance.attributes.get(name) for name in ("fixed", "dynamic"))
+        frozen = fixed in (True, 1) or moves in (False, 0)
         material = self.material_of(instance, place)
-        quote, several = self.quote(instance.line, instance.text), self.repeats > 0
-        if "fixed" in instance.attributes or "dynamic" in instance.attributes:
-            known = all(
-                isinstance(instance.attributes.get(name, False), bool | int | None)
-                for name in ("fixed", "dynamic")
-            )
-            if not known:
-                self.unknown[quote] = None
+        quote, several = self.at(instance), self.repeats > 0
+        if not all(isinstance(value, bool | int | None) for value in (fixed, moves)):
+            self.unknown[quote] = None
         return Body(
             kind=kind, radii=radii, material=material, frozen=frozen, quote=quote, mass=None, several=several
         )
@@ -915,7 +840,7 @@ class Yade(Evaluator):
             if isinstance(part, Unknown | Instance) and not bodies and not other:
                 self.elsewhere = True
                 if not (isinstance(part, Instance) and part.name in FILES):
-                    self.unknown[self.quote(instance.line, instance.text)] = None
+                    self.unknown[self.at(instance)] = None
 
     def from_file(self, instance: Instance) -> None:
         """Spheres whose sizes are not in the script: in a text beside it, or not known."""
@@ -927,16 +852,11 @@ class Yade(Evaluator):
             return
         self.elsewhere = True
         self.filling.census.complete = self.filling.known = False
-        self.unknown[self.quote(instance.line, instance.text)] = None
+        self.unknown[self.at(instance)] = None
 
     def clumps(self, instance: Instance) -> None:
         self.filling.container.known = False
-        note = Note(
-            f"clumps or shapes that are no spheres ({instance.name})",
-            None,
-            self.quote(instance.line, instance.text),
-        )
-        self.invalidates[note] = None
+        self.invalidate(f"clumps or shapes that are no spheres ({instance.name})", self.at(instance))
 
     def wave_time(self, rayleigh: bool) -> float | None:
         """Time in which a wave crosses the smallest sphere; None if sizes are not known."""
@@ -998,7 +918,7 @@ class Yade(Evaluator):
     def stage(self, quote: Quote, steps: int | None) -> None:
         """Note what holds now. A run with the same settings as that before continues its stage."""
         if self.stages and not self.changed:
-            self.continue_stage(steps)
+            self.longer(steps, self.contents(self.stages[-1]))
             return
         self.changed = False
         for instance in self.instances if self.bare else ():
@@ -1023,12 +943,8 @@ class Yade(Evaluator):
             system=self.system,
         )
         new = replace(new, contents=self.contents(new))
-        if (
-            self.stages
-            and replace(self.stages[-1], quote=quote, steps=steps, system=self.system, contents=new.contents)
-            == new
-        ):
-            self.continue_stage(steps)
+        if self.continues(new):
+            self.longer(steps, self.contents(self.stages[-1]))
         else:
             self.stages.append(new)
             self.damping_note(new, integrators)
@@ -1040,18 +956,9 @@ class Yade(Evaluator):
         """What the damping of the integrator does to friction."""
         damping = stage.numerical_damping
         if damping and any(contact.friction != 0.0 for contact in stage.contacts):
-            quote = self.quote(integrators[-1].line, integrators[-1].text) if integrators else None
+            quote = self.at(integrators[-1]) if integrators else None
             what = f"the damping {damping:g} of NewtonIntegrator acts on spins as well, along each axis"
             self.warnings[Note(f"{what}: β is without it", None, quote)] = None
-
-    def continue_stage(self, steps: int | None) -> None:
-        """More steps of the last stage."""
-        old = self.stages[-1].steps
-        self.stages[-1] = replace(
-            self.stages[-1],
-            steps=None if steps is None or old is None else old + steps,
-            contents=self.contents(self.stages[-1]),
-        )
 
     def contents(self, stage: Stage) -> Contents:
         """What a run has in its cell; factories make an unknown number of spheres."""
@@ -1116,7 +1023,7 @@ class Yade(Evaluator):
                 size = math.hypot(*gravity)
                 return size or None
             if gravity is not None:
-                self.unknown[self.quote(engine.line, engine.text)] = None
+                self.unknown[self.at(engine)] = None
         return None
 
     def down(self, integrators: list[Instance]) -> Direction | None:
@@ -1131,9 +1038,7 @@ class Yade(Evaluator):
     def driven(self) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
         """What presses the grains, what else drives them, and the shear rate."""
         pressed = [
-            Note(engine.name, None, self.quote(engine.line, engine.text))
-            for engine in self.used("")
-            if engine.name in PRESSING
+            Note(engine.name, None, self.at(engine)) for engine in self.used("") if engine.name in PRESSING
         ]
         if self.strain is None:
             return tuple(pressed), (), None
@@ -1156,10 +1061,8 @@ class Yade(Evaluator):
         if len(engines) != 1:
             return None
         (names, mask), engine = PRESSURES[engines[0].name], engines[0]
-        values, mask = (
-            flat([engine.attributes.get(name) for name in names]),
-            engine.attributes.get("stressMask", mask),
-        )
+        values = flat([engine.attributes.get(name) for name in names])
+        mask = engine.attributes.get("stressMask", mask)
         if engine.name == "PeriIsoCompressor":
             values, mask = values[-1:], 1
         if not isinstance(mask, int):
@@ -1213,7 +1116,7 @@ class Yade(Evaluator):
         for factory in (*self.used("BoxFactory"), *self.used("CircularFactory")):
             attributes = factory.attributes
             radii = union([as_range(attributes.get(name)) for name in ("rMin", "rMax")])
-            number, quote = attributes.get("materialId", -1), self.quote(factory.line, factory.text)
+            number, quote = attributes.get("materialId", -1), self.at(factory)
             if isinstance(number, int) and -len(self.materials) <= number < len(self.materials):
                 sizes = None if "PSDsizes" in attributes else radii
                 material = number % len(self.materials)
@@ -1257,7 +1160,8 @@ class Yade(Evaluator):
         """Pairs of materials, then walls, without damping if the law leaves it out."""
         undamped = [law for law in self.used("Law2_ScGeom_MindlinPhys_") if law.name in UNDAMPED_LAWS]
         moves = self.motion()
-        for contact in self.all_contacts():
+        functors = self.functors()
+        for contact in (*self.pairs_of_grains(functors), *self.contacts_with_walls(functors)):
             settings = contact.settings
             if undamped and settings["physics"].words[0] == "MindlinPhys":
                 law, en = undamped[-1], settings.get("en")
@@ -1266,12 +1170,6 @@ class Yade(Evaluator):
                 restitution = None if en is None else float(en.words[0])
                 contact = replace(contact, settings={**kept, "betan": zero}, asked=restitution)
             yield replace(contact, motion=moves)
-
-    def all_contacts(self) -> Iterator[ContactSettings]:
-        """The contacts, whose damping is that of the functor."""
-        functors = self.functors()
-        yield from self.pairs_of_grains(functors)
-        yield from self.contacts_with_walls(functors)
 
     def functors(self) -> dict[str, Instance]:
         """The functors that make contacts, by the material that they read."""
@@ -1306,7 +1204,7 @@ class Yade(Evaluator):
         }
         assumed = self.part and not walls
         for k in kinds if assumed else ():
-            walls["walls", k, None] = self.quote(self.materials[k].line, self.materials[k].text)
+            walls["walls", k, None] = self.at(self.materials[k])
         several = len({material for _, material, _ in walls}) > 1
         for i in sorted(k for k in kinds if not grains[self.name(k)].frozen):
             for (kind, j, mass), quote in walls.items():
@@ -1348,7 +1246,7 @@ class Yade(Evaluator):
         quotes = [quote for quote in (*locked, self.locked) if quote is not None]
         if friction == 0.0 or (tangential is not None and not quotes):
             return friction, tangential
-        sources = [self.quote(source.line, source.text) for source in (*pair, functor)]
+        sources = [self.at(source) for source in (*pair, functor)]
         self.unknown |= dict.fromkeys(quotes or sources)
         return friction, None
 
@@ -1360,14 +1258,14 @@ class Yade(Evaluator):
         if not (self.apart or (meet and seen)):
             missing = f"Bo1_{shape}_Aabb" if meet else f"Ig2_{shape}_Sphere_…"
             what = f"{kind if kind in SIZES else 'spheres'} without contacts: no {missing}"
-            self.ignored[Note(what, None, self.engines_quote)] = None
+            self.ignore(what, self.engines_quote)
             return None
         for functor in meet:
             hertzian = functor.attributes.get("hertzian", False)
             if isinstance(hertzian, bool | int):
                 size = math.inf if hertzian else size
             else:
-                self.unknown[self.quote(functor.line, functor.text)] = None
+                self.unknown[self.at(functor)] = None
         return size
 
     def functor_of(
@@ -1400,20 +1298,20 @@ class Yade(Evaluator):
         types = (self.name(i), self.name(j) if wall is None else WALL)
         what = self.no_spring(functor, pair)
         if what:
-            self.invalidates[Note(what, types, self.quote(functor.line, functor.text))] = None
+            self.invalidates[Note(what, types, self.at(functor))] = None
             return None
         numbers = self.numbers(functor, pair, (i, j), wall)
         if numbers is None:
             missing = (
                 pair if functor.attributes.keys().isdisjoint(("en", "betan", "tc", "kn")) else (functor,)
             )
-            self.unknown.update(dict.fromkeys(self.quote(source.line, source.text) for source in missing))
+            self.unknown.update(dict.fromkeys(self.at(source) for source in missing))
             return None
         physics = functor.name.rpartition("_")[2]
         settings = {"physics": Setting((LIKE.get(physics, physics),), functor.line, functor.text)}
         for name, (value, source) in numbers.items():
             settings[name] = Setting((repr(value),), source.line, source.text)
-        quotes = dict.fromkeys(self.quote(source.line, source.text) for source in (*pair, functor))
+        quotes = dict.fromkeys(self.at(source) for source in (*pair, functor))
         return settings, tuple(quotes)
 
     def no_spring(self, functor: Instance, pair: tuple[Instance, Instance]) -> str:
@@ -1565,16 +1463,7 @@ class Yade(Evaluator):
             self.stage(self.quote(last.line if last else 1, last.text if last else self.text[:80]), None)
         self.notes()
         self.callbacks()
-        description = Description(
-            code="yade",
-            version=None,
-            stages=tuple(self.stages),
-            ignored=tuple(self.ignored),
-            invalidates=tuple(self.invalidates),
-            warnings=tuple(self.warnings),
-            unknown=tuple(self.unknown),
-            refused=tuple(self.refused),
-        )
+        description = self.described()
         if (
             not any(stage.contacts for stage in description.stages)
             and not description.invalidates
@@ -1591,11 +1480,11 @@ class Yade(Evaluator):
             and not (self.bodies[0].several or self.elsewhere)
         ):
             what = "only one sphere: its contact is that with another like it"
-            self.ignored[Note(what, None, self.bodies[0].quote)] = None
+            self.ignore(what, self.bodies[0].quote)
         self.unknown |= {body.quote: None for body in self.bodies if body.kind == "boxes" and not body.frozen}
         known = [material for material in self.materials if material.name in MATERIALS]
         for instance in dict.fromkeys([*self.used(""), *known]):
-            quote, name = self.quote(instance.line, instance.text), instance.name
+            quote, name = self.at(instance), instance.name
             if instance.attributes.get("densityScaling", False):  # other masses than those of the grains
                 self.unknown[quote] = None
             strange = (
@@ -1609,15 +1498,15 @@ class Yade(Evaluator):
             if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
                 self.contact_note(instance, quote)
             elif name in MOTION:
-                self.ignored[Note(f"prescribed motion ({name})", None, quote)] = None
+                self.ignore(f"prescribed motion ({name})", quote)
             elif name == "GlobalStiffnessTimeStepper" and is_active(instance):
-                self.ignored[Note("a time step that adapts (GlobalStiffnessTimeStepper)", None, quote)] = None
+                self.ignore("a time step that adapts (GlobalStiffnessTimeStepper)", quote)
             elif name == "PyRunner":
                 self.runner_note(instance, quote)
             elif instance in self.engines:
                 what = next((what for sign, what in FORCES.items() if sign in name), "")
                 if what:
-                    self.invalidates[Note(f"{what} ({name})", None, quote)] = None
+                    self.invalidate(f"{what} ({name})", quote)
                 elif name not in ENGINES and not name.endswith("Recorder"):
                     self.unknown[quote] = None
 
@@ -1642,7 +1531,7 @@ class Yade(Evaluator):
         elif name == "ViscElMat" and instance.attributes.get("lubrication", False):
             force = "a fluid (lubrication)"
         if force:
-            self.invalidates[Note(force, None, quote)] = None
+            self.invalidate(force, quote)
             self.refuse(quote, f"be without {force}")
         elif name not in (*MATERIALS, *PHYSICS, *LAWS, *UNDAMPED_LAWS):
             self.unknown[quote] = None
@@ -1650,7 +1539,7 @@ class Yade(Evaluator):
                 quote, f"be one of {', '.join(LAWS if law else MATERIALS if 'Mat' in name[-3:] else PHYSICS)}"
             )
         elif law:
-            self.ignored[Note(f"tangential forces ({name})", None, quote)] = None
+            self.ignore(f"tangential forces ({name})", quote)
 
     def runner_note(self, instance: Instance, quote: Quote) -> None:
         """A callback that changes contacts or grains."""

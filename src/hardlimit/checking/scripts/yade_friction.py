@@ -189,11 +189,11 @@ def warnings(
     script: Yade, contact: Contact, types: tuple[str, str], tangential: Tangential | None
 ) -> Iterator[Note]:
     """What the friction of a contact really does."""
-    functor = script.quote(contact.functor.line, contact.functor.text)
-    material = script.quote(contact.pair[0].line, contact.pair[0].text)
+    functor = script.at(contact.functor)
+    material = script.at(contact.pair[0])
     for law in laws(script, contact):
         if text := of_law(law):
-            yield Note(text, types, script.quote(law.line, law.text))
+            yield Note(text, types, script.at(law))
     angle = friction_angle(script, contact)
     if angle is not None and not 0.0 <= angle <= 0.5 * math.pi:
         yield Note(f"an angle of friction of {angle:g}, which YADE takes in radians", types, material)
