@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "../kernels/interface.hpp"
 #include "law_choice.hpp"
 
 namespace hardlimit::boxes {
@@ -67,6 +68,11 @@ public:
     }
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
+
+    // Mass and radius of all bodies, for a kernel.
+    hardlimit_abi::BodyKinds kinds() const {
+        return {&kinds_[0].first, kind_.empty() ? nullptr : kind_.data(), kinds_.size() == 1 ? 0u : 1u};
+    }
 
     // Prefetches the entry of body i.
     void fetch(std::size_t i) const {
