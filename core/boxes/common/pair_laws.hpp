@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "../kernels/interface.hpp"
 #include "law_choice.hpp"
 
 namespace hardlimit::boxes {
@@ -69,10 +68,9 @@ public:
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
 
-    // Mass and radius of all bodies, for a kernel.
-    hardlimit_abi::BodyKinds kinds() const {
-        return {&kinds_[0].first, kind_.empty() ? nullptr : kind_.data(), kinds_.size() == 1 ? 0u : 1u};
-    }
+    // Mass and radius of all kinds, or of all bodies; and the kind of each body, empty with one kind or without.
+    const std::vector<std::pair<double, double>>& kinds() const { return kinds_; }
+    const std::vector<std::uint32_t>& kind_of_bodies() const { return kind_; }
 
     // Prefetches the entry of body i.
     void fetch(std::size_t i) const {

@@ -109,8 +109,12 @@ private:
     }
     // The same where no position matters.
     void add_velocities(Observation& o) const {
-        kernels.sum_velocities(paths.particles.data(), paths.particles.size(), paths.laws().kinds(),
-                               o.momentum, o.kinetic_tensor.component);
+        const auto& kinds = paths.laws().kinds();
+        const auto& kind = paths.laws().kind_of_bodies();
+        kernels.sum_velocities(
+            paths.particles.data(), paths.particles.size(),
+            {&kinds[0].first, kind.empty() ? nullptr : kind.data(), kinds.size() == 1 ? 0u : 1u}, o.momentum,
+            o.kinetic_tensor.component);
         for (const auto& body : groups_at_present(false).bodies) {
             const double m = paths.mass(body.index);
             for (std::size_t a = 0; a < 3; ++a) o.momentum[a] += m * body.velocity[a];
