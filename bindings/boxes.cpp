@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -302,30 +303,41 @@ auto spins(const Engine& e) {
     return make_array(std::move(spin), {e.get().size(), 3});
 }
 
-// A field of an observation in Python: numbers, and arrays of what belongs to the axes of the box.
+// The numbers of a field of an observation: arrays have those that belong to the axes of the box.
+struct NumbersOfField {
+    int dimension;
+    std::vector<double>& numbers;
+
+    void operator()(double x) const { numbers.push_back(x); }
+    void operator()(hl::u64 count) const { numbers.push_back(static_cast<double>(count)); }
+    void operator()(const box::AxialVector& v) const {
+        dimension == 2 ? numbers.push_back(v.component[2]) : add(v.component, 3);
+    }
+    void operator()(const double (&of_axes)[3]) const { add(of_axes, dimension); }
+    void operator()(const double (&of_walls)[box::most_walls]) const { add(of_walls, 2 * dimension); }
+    // In LAMMPS' order.
+    void operator()(const box::SymmetricTensor& t) const {
+        for (std::size_t k = 0; k < t.size; ++k)
+            if (t.column[k] < dimension) numbers.push_back(t.component[k]);
+    }
+
+private:
+    void add(const double* values, int n) const { numbers.insert(numbers.end(), values, values + n); }
+};
+
+// A field of an observation in Python: a number, or an array.
 struct FieldInPython {
     int dimension;
 
     nb::object operator()(double x) const { return nb::cast(x); }
     nb::object operator()(hl::u64 count) const { return nb::cast(count); }
-    nb::object operator()(const box::AxialVector& v) const {
-        return dimension == 2 ? nb::cast(v.component[2]) : first_of(v.component, 3);
-    }
-    nb::object operator()(const double (&of_axes)[3]) const { return first_of(of_axes, dimension); }
-    nb::object operator()(const double (&of_walls)[box::most_walls]) const {
-        return first_of(of_walls, 2 * dimension);
-    }
-    // In LAMMPS' order.
-    nb::object operator()(const box::SymmetricTensor& t) const {
-        std::vector<double> values;
-        for (std::size_t k = 0; k < t.size; ++k)
-            if (t.column[k] < dimension) values.push_back(t.component[k]);
-        return first_of(values.data(), static_cast<int>(values.size()));
-    }
-
-private:
-    static nb::object first_of(const double* values, int n) {
-        return nb::cast(make_array(std::vector<double>(values, values + n), {static_cast<std::size_t>(n)}));
+    template <class Field>
+    nb::object operator()(const Field& field) const {
+        std::vector<double> numbers;
+        NumbersOfField{dimension, numbers}(field);
+        if (dimension == 2 && std::is_same_v<Field, box::AxialVector>) return nb::cast(numbers[0]);
+        const std::size_t n = numbers.size();
+        return nb::cast(make_array(std::move(numbers), {n}));
     }
 };
 
@@ -342,6 +354,43 @@ nb::dict observe(const Engine& e) {
                         if (rotates || !needs_friction(by)) sums[name] = value_of(value);
                     });
     return sums;
+}
+
+// Calls f(name, value) for the time and all quantities of this observation that the engine samples.
+template <class F>
+void for_sampled(const box::Engine& e, const box::Observation& o, const F& f) {
+    const bool lasting = e.contacts_have_duration();
+    f("time", e.time());
+    f("heat", e.kicks.heat);
+    box::for_fields(o, [&](const char* name, const char*, box::Sampled by, const auto& value) {
+        using enum box::Sampled;
+        const bool of_engine =
+            by == by_all || by == with_friction || (by != never && (by != of_collisions) == lasting);
+        if (of_engine && (e.rotates() || !needs_friction(by))) f(name, value);
+    });
+    if (!lasting) f("n_collisions", o.begun);
+}
+
+// One row with the numbers of a sample.
+auto sample(const Engine& e) {
+    std::vector<double> row;
+    row.reserve(64);
+    const NumbersOfField add{e.get().dimension(), row};
+    for_sampled(e.get(), e.get().observe(), [&](const char*, const auto& value) { add(value); });
+    const std::size_t n = row.size();
+    return make_array(std::move(row), {n});
+}
+
+// The name and the shape of each quantity in such a row.
+nb::list sample_fields(const Engine& e) {
+    nb::list fields;
+    for_sampled(e.get(), {}, [&]<class Field>(const char* name, const Field& value) {
+        std::vector<double> numbers;
+        NumbersOfField{e.get().dimension(), numbers}(value);
+        fields.append(numbers.size() == 1 ? nb::make_tuple(name, nb::make_tuple())
+                                          : nb::make_tuple(name, nb::make_tuple(numbers.size())));
+    });
+    return fields;
 }
 
 // The fields of an observation: name, unit, and the engines that sample it.
@@ -479,6 +528,8 @@ void bind_boxes(nb::module_& m) {
         .def_prop_ro("n_kicks", [](const Engine& e) { return e.get().kicks.number; })
         .def_prop_ro("heat", [](const Engine& e) { return e.get().kicks.heat; })
         .def("observe", &observe)
+        .def("sample", &sample)
+        .def("sample_fields", &sample_fields)
         .def_prop_ro("largest_compression",
                      [](const Engine& e) { return e.get().observe().largest_compression; })
         .def(

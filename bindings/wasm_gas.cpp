@@ -56,7 +56,8 @@ enum Refusal { none, no_such_box, no_such_rule, no_such_law, no_such_start };
 
 using Vectorised = hl::Vector<2>::Real;
 const hardlimit_abi::TouchKernels kernels = [] {
-    hardlimit_abi::TouchKernels made{"wasm", {}, {}, box::series::kernels(), &box::read_wide_cell};
+    hardlimit_abi::TouchKernels made{
+        "wasm", {}, {}, box::series::kernels(), &box::read_wide_cell, box::sample_kernels<Vectorised>()};
     made.of[0][0] = box::touch_kernels_of<Vectorised, 2, box::Motion::straight>();
     made.of[0][1] = box::touch_kernels_of<Vectorised, 2, box::Motion::falling>();
     made.of[0][2] = box::touch_kernels_of<Vectorised, 2, box::Motion::growing>();

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.integrate
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -582,6 +583,70 @@ def test_observing_changes_nothing() -> None:
     often, seldom = (by_events(system, law=LAWS[0], until=2e-3, log=True, samples=k) for k in (200, 1))
     assert np.array_equal(often.system.positions, seldom.system.positions)
     assert often.contacts.equals(seldom.contacts)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5, 0.2])
+def test_samples_of_a_contact_follow_the_equation_of_motion(restitution: float) -> None:
+    """Of an oblique contact beyond a side of the box, under gravity: forward from touch and back from the end of the
+    force, then while the surfaces still overlap without force."""
+    law, pull = hl.LinearDashpot(stiffness=2e4, restitution=restitution), np.array([0.0, 0.0, -9.81])
+    system = hl.ParticleSystem(
+        positions=[[0.0992, 0.05, 0.05], [0.0012, 0.0507, 0.0503]], radius=[1e-3, 0.8e-3], density=2500.0,
+        box=[0.1] * 3, velocities=[[0.7, 0.2, -0.1], [-0.8, -0.1, 0.2]],
+        boundary=["periodic", "periodic", "wall"], gravity=pull,
+    )  # fmt: skip
+    (a, b), (m_a, m_b), length = system.velocities, system.mass, float(system.radius.sum())
+    mass = m_a * m_b / (m_a + m_b)
+    contact = law.between(*(hl.Ball(float(r), density=2500.0) for r in system.radius))
+    r, v = system.positions[1] + [0.1, 0.0, 0.0] - system.positions[0], b - a
+    along = r @ v
+    touch = (-along - math.sqrt(along**2 - (v @ v) * (r @ r - length**2))) / (v @ v)
+
+    def motion(time: float, y: Any) -> Any:
+        r, v = y[:3], y[3:6]
+        d = np.linalg.norm(r)
+        rate = -(r @ v) / d
+        force = contact.stiffness * (length - d) + contact.damping * rate
+        lost = contact.damping * rate**2 if force > 0.0 else -contact.stiffness * (length - d) * rate
+        pressing = max(force, 0.0) / d
+        return [*v, *(pressing / mass * r), lost, *np.outer(r, pressing * r)[np.triu_indices(3)]]
+
+    def force_ends(time: float, y: Any) -> Any:
+        d = np.linalg.norm(y[:3])
+        return (
+            contact.stiffness * (length - d) - contact.damping * (y[:3] @ y[3:6]) / d if time > 0.0 else 1.0
+        )
+
+    force_ends.direction, force_ends.terminal = -1.0, True  # type: ignore[attr-defined]
+    start, within = [*(r + touch * v), *v, *np.zeros(7)], {"method": "DOP853", "rtol": 1e-13, "atol": 1e-16}
+    whole = scipy.integrate.solve_ivp(motion, (0.0, 1.0), start, events=force_ends, **within)
+    duration, at_end = whole.t[-1], whole.y[:, -1]
+    engine = core_engine("newton_events", system, law)
+    energy = 0.5 * mass * (v @ v)
+    for part in (1e-6, 0.1, 0.3, 0.49, 0.51, 0.7, 0.9, 0.999, 1.0005):
+        engine.advance(touch + part * duration)
+        if part < 1.0:
+            y = scipy.integrate.solve_ivp(motion, (0.0, part * duration), start, **within).y[:, -1]
+        else:
+            y = at_end.copy()
+            y[:3] += (part - 1.0) * duration * at_end[3:6]
+        seen, depth = engine.observe(), length - np.linalg.norm(y[:3])
+        stored = 0.5 * contact.stiffness * max(depth, 0.0) ** 2
+        if part > 1.0:
+            y[6] += 0.5 * contact.stiffness * (length - np.linalg.norm(at_end[:3])) ** 2 - stored
+        assert seen["contact_energy"] == pytest.approx(stored, abs=1e-11 * energy)
+        assert seen["dissipated_energy"] == pytest.approx(y[6], abs=1e-11 * energy)
+        assert seen["virial_tensor"][[0, 3, 4, 1, 5, 2]] == pytest.approx(y[7:], abs=1e-11 * mass * length)
+        assert seen["n_in_contact"] == (part < 1.0) and seen["n_ended"] == (part > 1.0)
+        positions, velocities = map(np.asarray, engine.state())
+        time = engine.time
+        mean = (m_a * a + m_b * b) / (m_a + m_b) + time * pull
+        for k, share in enumerate((-m_b, m_a)):
+            assert velocities[k] == pytest.approx(mean + share / (m_a + m_b) * y[3:6], abs=1e-11)
+        expected = system.positions[0] + touch * a
+        expected += part * duration * (mean - time * pull) + 0.5 * time**2 * pull
+        expected -= m_b / (m_a + m_b) * (y[:3] - start[:3])
+        assert positions[0] == pytest.approx(expected, abs=1e-13)
 
 
 def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:

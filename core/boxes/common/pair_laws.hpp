@@ -68,6 +68,10 @@ public:
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
 
+    // Mass and radius of all kinds, or of all bodies; and the kind of each body, empty with one kind or without.
+    const std::vector<std::pair<double, double>>& kinds() const { return kinds_; }
+    const std::vector<std::uint32_t>& kind_of_bodies() const { return kind_; }
+
     // Prefetches the entry of body i.
     void fetch(std::size_t i) const {
         if (table_.empty()) return prefetch(kinds_.data() + i);

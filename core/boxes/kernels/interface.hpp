@@ -66,6 +66,29 @@ struct SeriesKernels {
                  double* virial, double* chord_deviation);
 };
 
+// An isolated contact of two bodies under a linear law (open_contacts.hpp). Units: the distance of their centres at the
+// start, and the time from there, negative if the series goes back from the end of the force.
+struct OpenContact {
+    // At the start: k/m and γ/m; speeds along the line of centres, x, and across; force.
+    double spring, damper, radial_speed, tangential_speed, force;
+    // Then: r, distance − 1, its rate, dr/dt, ∫ rate² dt, ∫ r⊗F dt; the largest of the last two terms of the series.
+    double x, y, stretched, rate, speed_x, speed_y, rate_square, virial_xx, virial_xy, virial_yy, last_term;
+};
+
+// Mass and radius of body i: entries 2 k and 2 k + 1 with k = kind[i], or k = step · i without kinds.
+struct BodyKinds {
+    const double* mass_and_radius;
+    const unsigned* kind;
+    std::size_t step;
+};
+
+// Kernels for samples; see open_contacts.hpp and velocity_sums.hpp.
+struct SampleKernels {
+    void (*solve)(OpenContact* contacts, std::size_t n);
+    void (*sum_velocities)(const void* particles, std::size_t n, const BodyKinds& kinds, double* momentum,
+                           double* tensor);
+};
+
 struct TouchKernels {
     const char* name;
     // of[dimension − 2][motion]. near: no periodic images; across: minimum images.
@@ -76,6 +99,7 @@ struct TouchKernels {
     Of enlarged[2];  // three dimensions, by motion: straight or falling
     SeriesKernels series;
     void (*read_cell)(const void* cell, const double* x, double* values);  // of tabulated_contact.hpp
+    SampleKernels samples;
 };
 
 }  // namespace hardlimit_abi

@@ -11,6 +11,7 @@
 #include <cstddef>
 
 #include "../common/symmetric_tensor.hpp"
+#include "gauss_legendre.hpp"
 #include "interface.hpp"
 #include "polynomial_zeros.hpp"
 
@@ -245,12 +246,7 @@ inline void travels(const void* paths, const int* body_order, int in_contact, in
 // energy and, between two bodies, ∫ F/d r⊗r dt to the virial, with F = k (l − d) − γ dd/dt. `unit`: of time [s]. The
 // integrands oscillate through less than one period in a step, and the error is far below rounding.
 inline void add_integrals(const Contact& f, double t, double unit, double* dissipated, double* virial) {
-    using Eight = Vector<8>::Real;
-    constexpr Eight node = {0.01985507175123188, 0.10166676129318663, 0.2372337950418355, 0.4082826787521751,
-                            0.5917173212478249,  0.7627662049581645,  0.8983332387068134, 0.9801449282487681};
-    constexpr Eight weight = {0.05061426814518813, 0.11119051722668724, 0.15685332293894363,
-                              0.18134189168918100, 0.18134189168918100, 0.15685332293894363,
-                              0.11119051722668724, 0.05061426814518813};
+    using quadrature::Eight, quadrature::node, quadrature::weight;
     const Terms& d = f.second < 0 ? f.depth : f.bodies.distance;
     const Eight at = t * node;
     Eight value = Eight{} + d[order], slope{};

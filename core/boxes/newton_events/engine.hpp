@@ -138,7 +138,9 @@ public:
     Observation observe() const override { return observer_.observe(); }
     bool contacts_have_duration() const override { return true; }
     std::vector<ContactRecord> take_log() override { return std::exchange(ledger_.rows, {}); }
-    std::vector<ContactRecord> open_contacts() const override { return observer_.groups_at_present().open; }
+    std::vector<ContactRecord> open_contacts() const override {
+        return observer_.groups_at_present(true).open;
+    }
     double largest_safety_use(int instants) const override {
         return events::SafetyUse<Law>{paths_, groups_, frames_, clusters_, busy_}.largest(instants);
     }
@@ -178,7 +180,7 @@ private:
                                       members_, predictor_, schedule_, ledger_};
     events::ContactEvents<Law> contact_events_{paths_,   cells_,     groups_,    frames_,   isolated_,
                                                members_, formation_, predictor_, schedule_, ledger_};
-    events::Observer<Law> observer_{paths_, groups_, frames_, clusters_, ledger_};
+    events::Observer<Law> observer_;
     u64 events_ = 0;
     bool paused_ = false;
 
@@ -188,7 +190,8 @@ private:
           limits_(setting_, safety_radius),
           predictor_(paths_, cells_, busy_, kernels),
           isolated_(setting_.count(), limits_, paths_, frames_, kernels),
-          clusters_{paths_, frames_, {paths_, limits_.largest_displacement}, ledger_.sums, kernels.series} {}
+          clusters_{paths_, frames_, {paths_, limits_.largest_displacement}, ledger_.sums, kernels.series},
+          observer_{paths_, groups_, frames_, clusters_, ledger_, kernels.samples} {}
 
     static double read_number(Reader& reader) {
         double number = 0.0;

@@ -104,7 +104,7 @@ public:
         p.time = now;
         release(i);
     }
-    // Sets a radius including the safety radius. It is enlarged by the overlap that counts as rounding error.
+    // Sets a radius above the own one: with the safety radius, and with the overlap that counts as rounding error.
     void set_safety_radius(int i, double safety_radius) {
         particles[i].radius = (radius(i) + safety_radius) * (1.0 + rounding_of_touch);
     }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +89,13 @@ class NewtonSettings:
     def from_entry(cls, entry: Mapping[str, Any]) -> NewtonSettings:
         """The settings from :meth:`entry`."""
         return cls(**{**entry, "law": law_from(entry["law"])})
+
+
+class Field(NamedTuple):
+    """A quantity among the numbers of a sample."""
+
+    numbers: slice
+    shape: tuple[int, ...]
 
 
 class Engine:
@@ -251,16 +259,41 @@ class Engine:
         values = now._values() | {"thermostat": now.thermostat.after(self.kicks)}
         return now._of(**values, _unfolded=now._unfolded)
 
-    def sample(self) -> dict[str, Any]:
-        """The quantities at a sample in the falling frame; :meth:`result` converts those of all samples at once."""
-        sums = self.compiled.observe()
-        sums["time"], sums["n_collisions"], sums["heat"] = self.time, sums["n_contacts"], self.compiled.heat
-        return {name: sums[name] for name in self.record.records if name in sums}
+    @functools.cached_property
+    def fields(self) -> dict[str, Field]:
+        """The quantities of a sample by name."""
+        fields, begin = {}, 0
+        for name, shape in self.compiled.sample_fields():
+            fields[name] = Field(slice(begin, begin + math.prod(shape)), shape)
+            begin = fields[name].numbers.stop
+        return fields
 
-    def is_at(self, sample: Mapping[str, Any]) -> bool:
+    def sample(self) -> Floats:
+        """The numbers of a sample, as in ``fields``, in the falling frame; :meth:`result` converts those of all
+        samples at once."""
+        return np.asarray(self.compiled.sample())
+
+    def number(self, name: str, sample: Floats) -> float:
+        """A quantity of a sample that is one number."""
+        return float(sample[self.fields[name].numbers.start])
+
+    def by_name(self, samples: Sequence[Floats]) -> dict[str, Floats]:
+        """All samples: one array for each quantity."""
+        n = len(samples)
+        rows = np.array(samples).T  # one for each number
+        fields = self.fields.items() if n else ()
+        return {name: np.ascontiguousarray(rows[f.numbers].T).reshape(n, *f.shape) for name, f in fields}
+
+    def samples_from(self, arrays: Mapping[str, NDArray[Any]]) -> list[Floats]:
+        """The inverse of :meth:`by_name`."""
+        n = len(arrays["time"]) if arrays else 0
+        return list(np.hstack([arrays[name].reshape(n, -1) for name in self.fields])) if n else []
+
+    def is_at(self, sample: Floats) -> bool:
         """Whether this sample was taken in the current state, or no sample can be taken in it."""
-        counted = sample.get("n_collisions", self.n_contacts)
-        return self.paused or bool(sample["time"] == self.time and counted == self.n_contacts)
+        counts = self.n_contacts
+        counted = self.number("n_collisions", sample) if "n_collisions" in self.fields else counts
+        return self.paused or bool(self.number("time", sample) == self.time and counted == counts)
 
     @property
     def columns(self) -> tuple[Column, ...]:

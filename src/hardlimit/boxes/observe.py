@@ -218,11 +218,6 @@ def joined(samples: Sequence[Observed]) -> Observed:
     return Observed(data, samples[0].coordinates)
 
 
-def split(values: Mapping[str, NDArray[Any]], n: int) -> list[dict[str, NDArray[Any]]]:
-    """The values of each of ``n`` samples: the inverse of :func:`collected`."""
-    return [{name: array[k] for name, array in values.items()} for k in range(n)]
-
-
 def separated(values: Observed, n: int) -> list[Observed]:
     """The values of each of ``n`` samples: the inverse of :func:`joined`."""
     return [

@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-from numpy.typing import NDArray
-
 from ..contact import compression
 from ..support import validation
 from ..support.progress import Report, Shown
 from . import checkpoint as checkpoints
 from . import observe as observing
+from .box import Floats
 from .engines import Engine, joined
 from .observe import Observed, Parts
 from .result import ContactResult, Log, ParticleResult
@@ -81,7 +80,7 @@ class Schedule:
 class Sample(NamedTuple):
     """The values recorded at one sampling time."""
 
-    records: Mapping[str, Any]  #: quantities recorded by the engine: numbers and arrays
+    records: Floats  #: quantities recorded by the engine, as Engine.fields
     observed: Observed  #: values of the user's functions
 
 
@@ -113,7 +112,7 @@ class Run:
     @property
     def sampled_times(self) -> list[float]:
         """Times of the samples so far [s]."""
-        return [float(sample.records["time"]) for sample in self._sampled[0]]
+        return [self.engine.number("time", sample.records) for sample in self._sampled[0]]
 
     def takes_samples(self, until: float) -> bool:
         """Whether samples follow up to ``until`` [s], where one is taken in any case."""
@@ -201,7 +200,9 @@ class Run:
         if schedule.until is not None or len(samples) < 2 * schedule.samples:
             samples.append(new)
             return
-        middle, last = (int(s.records["n_collisions"]) for s in (samples[schedule.samples], new))
+        middle, last = (
+            self.engine.number("n_collisions", s.records) for s in (samples[schedule.samples], new)
+        )
         idle = schedule.idle + 1 if middle == last else 0
         self._sampled = [*samples[::2], new], replace(schedule, span=2.0 * schedule.span, idle=idle)
 
@@ -264,7 +265,7 @@ class Run:
         header, arrays = self.engine.saved()
         labels, seen = observing.saved(observing.joined([sample.observed for sample in samples]))
         header |= {"schedule": vars(schedule), "every": output.every, **labels}
-        arrays |= {f"sample_{name}": values for name, values in _stacked(samples).items()} | seen
+        arrays |= {f"sample_{name}": values for name, values in self._records(samples).items()} | seen
         arrays |= {f"log_{i}": part for i, part in enumerate(log or ())}
         checkpoints.write(output.path, header, arrays)
         self._saved_at, self._kept = clock.monotonic(), self.engine.time
@@ -277,13 +278,10 @@ class Run:
             samples = [*samples, self._new_sample()]
         seen = observing.joined([sample.observed for sample in samples])
         idle = schedule.idle > MAX_DOUBLINGS
-        return self.engine.result(_stacked(samples), self._taken_log(), seen, idle)
+        return self.engine.result(self._records(samples), self._taken_log(), seen, idle)
 
-
-def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:
-    """Stack the recorded quantities of all samples: one array for each."""
-    stacked = observing.collected([sample.records for sample in samples])
-    return {name: values.astype(float) for name, values in stacked.items()}
+    def _records(self, samples: Sequence[Sample]) -> dict[str, Floats]:
+        return self.engine.by_name([sample.records for sample in samples])
 
 
 def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:
@@ -298,8 +296,8 @@ def load(path: Any) -> Run:
         schedule, every = Schedule(**header["schedule"]), float(header["every"])
         seen = observing.loaded(header, arrays)
         records = {name[7:]: array for name, array in arrays.items() if name.startswith("sample_")}
-        n = len(records["time"]) if records else 0
-        samples = list(map(Sample, observing.split(records, n), observing.separated(seen, n)))
+        rows = engine.samples_from(records)
+        samples = list(map(Sample, rows, observing.separated(seen, len(rows))))
         columns = range(len(engine.columns))
         log = tuple(arrays[f"log_{i}"] for i in columns) if "log_0" in arrays else None
     except (KeyError, TypeError, ValueError, IndexError) as error:

@@ -61,26 +61,6 @@ public:
         run(until, never, no_limit, true);
     }
 
-    // Moves the members to this time, also backward, while no contact begins or ends. Needs a linear law. Returns false
-    // if that takes more than a few steps.
-    bool move_to(double end)
-        requires FrictionlessLaw<Law>
-    {
-        constexpr int most_steps = 8;
-        load();
-        for (ContactPair<Law>& q : pairs) scales_.set(q, network(), this->largest_compression);
-        for (int i = 0; i < most_steps && time != end; ++i) {
-            expansion_.expand(network(), state_, *kernels);
-            const double rest = (end - time) / expansion_.unit;
-            const double longest = expansion_.longest_step(network(), tolerance);
-            expansion_.advance(network(), math::clamp(rest, -longest, longest), state_, nullptr);
-            if (math::abs(rest) <= longest) state_.time() = end;
-            time = state_.time();
-        }
-        state_.store(network(), ledger());
-        return time == end;
-    }
-
     long steps() const { return steps_; }
     double speed() const { return Scales(*this).speed; }
     Vector3 frame_velocity() const { return boxes::frame_velocity(*this); }
