@@ -388,9 +388,9 @@ def test_the_weight_on_the_floor_of_a_container(seed):
         ("f f f", (fall, region), weight / area, True),
         ("f f f", (fall, tube), weight / (math.pi * radius**2), True),
     ]:
-        found = bed(boundary, *lines)
-        assert found.pressure == pytest.approx(pressure), lines
-        assert found.pressure_is_bound is bound
+        resting = bed(boundary, *lines)
+        assert resting.pressure == pytest.approx(pressure), lines
+        assert resting.pressure_is_bound is bound
     # A slope that ends at walls, two tubes, a partition, and no side walls: the floor is not known.
     inner = plane("inner", "zcylinder", 0.5 * radius)
     middle = plane("middle", "xplane", 0.5 * across[0], "NULL")
