@@ -49,15 +49,37 @@ Contact any_contact() {
     return {{normal, friction}, a};
 }
 
-// Hardly damped: the surfaces stick at touch, where the force jumps, slip after 2e-5 of the contact, and stick again
-// after .008 of it.
-Contact that_slips_within_a_step() {
-    FrictionTerms friction{
-        .coefficient = 1.5, .stiffness = {25549108822.579277, 0}, .damping = {0.0787067251553, 0}};
-    const TurningApproach touch{
-        1.0, 1.0, 1.0, 6.42902, {0.0, 0.0, 1.0}, {0.0, 0.0, -1.0}, {0.0, -0.90063809801758588, 0.0}};
-    return {{Law{15284907993.197212, 0.0787067251553}, friction}, touch};
-}
+// Contacts of which a change between stick and slip is easily missed.
+const Contact hard_to_follow[] = {
+    // Hardly damped: the surfaces stick at touch, where the force jumps, slip after 2e-5 of the contact, and stick
+    // again after .008 of it.
+    {{Law{15284907993.197212, 0.0787067251553},
+      {.coefficient = 1.5, .stiffness = {25549108822.579277, 0}, .damping = {0.0787067251553, 0}}},
+     {1.0, 1.0, 1.0, 6.42902, {0.0, 0.0, 1.0}, {0.0, 0.0, -1.0}, {0.0, -0.90063809801758588, 0.0}}},
+    // Nearly in a plane: the direction of slip hardly turns, but the surfaces stick and slip once more.
+    {{Law{71747526886.756165, 1042150.3074574108},
+      {.coefficient = 1.5, .stiffness = {133891047290.01178, 0}, .damping = {0.0, 0}}},
+     {1.0,
+      1.0,
+      1.0,
+      2.5714620279776357,
+      {0.0, 0.0, 1.0},
+      {-0.40203856856536, 0.22956926536595, -1.0},
+      {8.5167183611723909e-9, 8.2823011196623e-9, -3.733281177e-9}}},
+    // They slip from .38 to .40 of the contact. Then the force of friction turns back, reaching the limit again at .58.
+    {{Law{7561.1391470277013, 338.31441938773628},
+      {.coefficient = 0.5,
+       .stiffness = {13315.003777253009, 0},
+       .damping = {0.0, 0},
+       .limit = SlipLimit::spring}},
+     {1.0,
+      math::infinity,
+      1.0,
+      7.2446050057867959,
+      {0.0, 0.0, 1.0},
+      {-0.6151516104378183, -0.0721658649447545, -1.0},
+      {}}},
+};
 
 double size(const Vector3& a) { return math::sqrt(dot(a, a)); }
 double difference(const Vector3& a, const Vector3& b) {
@@ -106,7 +128,7 @@ int main(int, char** arguments) {
     int compared = 0, left = 0, many = 0;
     double duration = 0.0, motion = 0.0, balance = 0.0, path = 0.0;
     for (int i = 0; i < count; ++i) {
-        const Contact c = i == 0 ? that_slips_within_a_step() : any_contact();
+        const Contact c = i < std::ssize(hard_to_follow) ? hard_to_follow[i] : any_contact();
         const TurningContact whole = TurningSolver<Law>(c.law, c.touch).integrate([](const auto&) {});
         const TurningContact end = TurningSeries<Law>(c.law, c.touch).integrate([](const auto&) {});
         if (whole.outcome != Outcome::ok || end.outcome != Outcome::ok) {

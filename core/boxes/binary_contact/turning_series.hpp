@@ -49,6 +49,12 @@ public:
             expand();
             if (!(step_ > 1e-14 && step_ < math::infinity) || too_deep()) break;
             const Event event = first_event();
+            if (event == Event::changes && closing_) {  // the contact does not end in this step
+                closing_.reset();
+                closes_ = false;
+                continue;
+            }
+            closes_ = true;
             begin_ = y_[M::time];
             record_greatest();
             add_integrals(step_, y_);
@@ -97,6 +103,7 @@ private:
     double misaligned_ = 1.0;  // sine of the angle by which the direction of slip may still change
     bool steady_ = false, frozen_ = false;  // the direction of slip keeps still; nothing changes any more
     std::optional<SlipClosing> closing_;    // the mean of the direction replaces it until the contact ends
+    bool closes_ = true;                    // whether that is tried
     Kind kind_ = Kind::space;
     double direction_scale_ = 1.0, slide_ = tolerance, twist_scale_ = tolerance;
     // Series of the components and of what the events need. P, Q: (q1, q2) and (q0, q3) of the frame's quaternion, at a
@@ -141,7 +148,7 @@ private:
             frozen_ = rest < slide_;
             steady_ = frozen_ || rest * misaligned_ < slide_;
             direction_scale_ = math::min(direction_scale_, 1e-8);
-            if (kind_ == Kind::space && U_[0] < 0.0 && !steady_) close(now);
+            if (kind_ == Kind::space && U_[0] < 0.0 && !steady_ && closes_) close(now);
             if (closing_) steady_ = frozen_ = true, f_[0] = in_frame(closing_->mean());
         } else
             S_[0] = Two{y[M::memory], y[M::memory + 1]};
@@ -560,11 +567,11 @@ private:
                 zero(step_, [&](double t) { return value(U_, t) < 0.0 ? pressing(t) : simple(1.0, 0.0); });
             event = Event::ends;
         }
-        if (!can_slip_ || (motion_.slips && frozen_)) return event;
+        if (!can_slip_ || (motion_.slips && frozen_ && !closing_)) return event;
         // At the end of the force that limits T, T may be zero too: look just before.
         const double last = event == Event::ends && !motion_.slips ? step_ * (1.0 - 1e-6) : step_;
         EventFunction before = holding(0.0);
-        const int pieces = step_ > 0.3 ? 4 : 1;
+        const int pieces = reverses(last) ? 12 : step_ > 0.3 ? 4 : 1;
         double low = 0.0;
         for (int i = 1; i <= pieces; ++i) {
             const double high = last * (double(i) / pieces);
@@ -581,6 +588,13 @@ private:
             before = after, low = high;
         }
         return event;
+    }
+    // Whether the force that may reach the limit turns back until then. Its length has a kink where it vanishes, after
+    // it may have been beyond the limit.
+    bool reverses(double until) const {
+        if (motion_.slips) return false;
+        const Two* limited = motion_.limits_spring() ? S_ : push_;
+        return dot(limited[0], value(limited, until)) < 0.0;
     }
 
     bool change() {
