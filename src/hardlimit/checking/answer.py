@@ -121,11 +121,15 @@ def _too_wrong(
 
 
 def _driven(rows: Sequence[CheckedContact], question: Question) -> str:
-    """What drives the box, and what to do: our own engines have no friction."""
-    if rubbing := [row for row in rows if row.friction.coefficient != 0.0]:
-        return f"{question.driven}, grains rub ({_friction(rubbing)}), and {HOMOGENEOUS} without friction"
-    how = f" (hardlimit gas compare {question.option})" if question.option else ""
-    return f"{question.driven}, and {HOMOGENEOUS}: run both{how}"
+    """What drives the box, and what to do."""
+    rubbing = [row for row in rows if row.friction.coefficient != 0.0]
+    also = f", grains rub ({_friction(rubbing)})" if rubbing else ""
+    how = (
+        f" (hardlimit gas compare {question.option}{' --friction' * bool(rubbing)})"
+        if question.option
+        else ""
+    )
+    return f"{question.driven}{also}, and {HOMOGENEOUS}: run both{how}"
 
 
 def _friction(rows: Sequence[CheckedContact]) -> str:
