@@ -26,7 +26,7 @@ export interface PredictionLayout {
   scale: number; // pixels per metre
   left: number; // horizontal range of the ruler [pixels]
   right: number;
-  promptHeight: number; // height of the text that asks for a guess [m]
+  promptHeight: number; // height of the line that asks for a guess [m]
 }
 
 // The ruler covers every possible guess and does not reveal the result.
@@ -99,8 +99,10 @@ export function drawPrediction(
     }
   });
   if (t.guess === null && !t.falling && !Sheet.printing) {
+    const level = floor - promptHeight * scale;
+    pen.line(left, level, w, level, theme.ink, 2, [7, 5]);
     pen.font(1.1, 650);
-    pen.label("↕ drag: my guess", left + 0.5 * (w - left), floor - promptHeight * scale, theme.ink);
+    pen.label("↕ drag: my guess", left + 0.5 * (w - left), level - 0.3 * pen.size, theme.ink, "center", "bottom");
   }
   if (t.guess !== null) {
     const level = floor - t.guess * scale;
