@@ -168,7 +168,7 @@ def check(
     Verdict
         ``.admissible`` is True if event-driven cooling (of a heated gas, the temperature; of a sheared one, the shear
         stress) is right within 1 %, False if it is not or if something cannot be simulated by events, such as cohesion
-        or grains at rest or under pressure, and None if it cannot be said, as for grains with friction.
+        or grains at rest or under pressure, and None if it cannot be said, as for an unknown packing fraction.
 
     Raises
     ------

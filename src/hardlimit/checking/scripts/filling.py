@@ -440,7 +440,7 @@ def volume(state: State) -> float | None:
 def floor_of(state: State, stage: Stage) -> tuple[float | None, bool]:
     """The area across the axis nearest to gravity, and whether side walls are around it.
 
-    It is not known if a side wall has another shape, or stands where a slope ends.
+    None if a side wall has another shape, or stands where a slope ends.
     """
     down = stage.down
     if down is None:
