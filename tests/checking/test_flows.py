@@ -10,6 +10,7 @@ import xarray as xr
 import hardlimit as hl
 from conftest import table
 from hardlimit.checking import flows
+from hardlimit.checking.state_words import details
 
 STATES = Path(__file__).parent / "data/states"
 STUDY = Path(__file__).parents[2] / "studies/dense_flow.nc"
@@ -45,6 +46,7 @@ def test_a_deep_layer_on_a_rough_base_flows_as_said():
     low, high = verdict.state.slope_inertial_number
     assert low < float(row["inertial_number"]) < high < 2.5 * low
     assert "a deep layer flows with I = 0.069 to 0.16, on a flat one it may slide faster" in verdict.sentence
+    assert "overlap" not in verdict.sentence and "At rest the overlap would be" in " ".join(details(verdict))
 
 
 @pytest.mark.parametrize(

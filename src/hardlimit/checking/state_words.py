@@ -50,6 +50,11 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     return " ".join(f"{part}." for part in parts if part)
 
 
+def _slides(state: GrainState) -> bool:
+    """Whether a deep layer may flow down a slope of this angle."""
+    return state.slope_inertial_number is not None and state.slope_inertial_number[1] > 0.0
+
+
 def _slope(state: GrainState) -> str:
     """How a deep layer flows down a slope."""
     tilted = f"Gravity is tilted by {digits(state.tilt or 0.0, 2)}°"
@@ -104,14 +109,13 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
     unit = "N/m" if dimension == 2 else "Pa"
     shown = f"p = {digits(state.pressure, 3)}" if plain else quantity(state.pressure, unit, 3)
-    slides = bool(state.slope_inertial_number and state.slope_inertial_number[1] > 0.0)
-    verb = VERBS["pressed" if slides else state.name]
+    verb = VERBS["pressed" if _slides(state) else state.name]
     text = f"{verb} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
     kappa = state.stiffness_number
     if kappa is None or state.regime == "collisional":
         return text
     text += f": κ_p{least} {digits(kappa, 2)}"
-    if state.regime != "dense" and not slides:  # flows have fewer contacts and larger overlaps
+    if state.regime != "dense" and not _slides(state):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
         text += f", overlap {'' if overlap.startswith('less') else most}{overlap} of R"
     if state.stiffness is None or state.stiffness_for_rigid is None:
@@ -160,7 +164,7 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    if state.regime == "dense" and state.overlap is not None:
+    if (state.regime == "dense" or _slides(state)) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
         yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 2 to 8 times that."
     elif state.deepest_overlap is not None:
