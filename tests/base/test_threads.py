@@ -56,7 +56,7 @@ print(np.array_equal(ds.t_end, few.t_end), np.array_equal(ds.n_contacts, few.n_c
 SOLVES = {
     "exact": "hl.newton(elastic, until=1e5)",
     "adiabatic": "hl.adiabatic(elastic, until=1e5)",
-    "general": "hl.newton(elastic, until=2e3, method='general')",
+    "general": "hl.newton(elastic, until=2e4, method='general')",
     "independent": "hl.independent(tall, until=4e4)",
     "trajectory": "result.trajectory(times)",
     "restitution": "soft.restitution(times[::10])",
