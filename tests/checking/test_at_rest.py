@@ -16,6 +16,7 @@ from hardlimit.checking import at_rest, cases, mixture
 from hardlimit.checking.scripts import census
 
 STUDIES = Path(__file__).parents[2] / "studies"
+STATES = Path(__file__).parent / "data/states"
 BEAD = hl.Ball(1e-3, density=2500.0)
 LINEAR = hl.LinearDashpot(stiffness=1e4, restitution=0.9)
 RUBBING = hl.LinearDashpot(stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5))
@@ -608,6 +609,34 @@ def test_a_belt_flows():
     flow = hl.check(script(CLIPPED, FALL, SHEARED), height=0.1)
     assert flow.state.name == "flow" and flow.state.inertial_number is None and flow.admissible is False
     assert state(script(CLIPPED, FALL, SHEARED), height=0.1, shear_rate=5.0).regime == "dense"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, "--radius and --density give the inertial number."),
+        ({"radius": 1e-3}, "--density gives the inertial number."),
+        ({"density": 2500.0}, "--radius gives the inertial number."),
+        ({"radius": 1e-3, "density": 2500.0}, "I = γ̇ d √(ρ/p) = 0.32: dense flow"),
+    ],
+)
+def test_a_flow_asks_for_what_its_inertial_number_needs(options, words):
+    """The shear rate and the pressure are known, but not the sizes, which are in a file that is not there."""
+    text = (STATES / "lammps_dense_shear").read_text(encoding="utf-8").replace("dense.data", "other.data")
+    verdict = hl.check(text, pressure=10.0, **options)
+    assert verdict.state.name == "flow" and words in verdict.sentence and "--shear" not in verdict.sentence
+    needs = verdict.state.inertial_number_needs
+    assert (needs is None) is (verdict.state.inertial_number is not None)
+
+
+def test_a_flow_asks_for_its_shear_rate_and_its_pressure():
+    belt = script(CLIPPED, FALL, SHEARED)
+    for options, words in (
+        ({"height": 0.1}, "--shear, of the flowing layer, gives the inertial number."),
+        ({}, "--shear, of the flowing layer, and --pressure give the inertial number."),
+        ({"shear_rate": 5.0}, "--pressure gives the inertial number."),
+    ):
+        assert words in hl.check(belt, **options).sentence
 
 
 @pytest.mark.parametrize(

@@ -567,6 +567,7 @@ class GrainState:
     restitution: float | None = None  #: ε of this impact
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
+    inertial_number_needs: str | None = None  #: of a flow, the options that it lacks: "radius and density"
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"
     collisional_from: float | None = None  #: I where contacts last twice as long as a collision
     shaking: float | None = None  #: Γ = A ω²/g
@@ -630,9 +631,11 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     contacts = loaded(moving, load.pressure, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
-    inertial = None
+    inertial = lacking = None
     if load.shear_rate is not None and load.pressure and diameter and density:
         inertial = inertial_number(load.shear_rate, diameter, density, load.pressure)
+    elif load.name == "flow":
+        lacking = _lacking(load, moving)
     state = GrainState(
         name=load.name,
         pressure=load.pressure,
@@ -642,6 +645,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         coordination=packing.coordination,
         largest_stable_step=longest,
         inertial_number=inertial,
+        inertial_number_needs=lacking,
         shaking=load.shaking,
         tilt=load.tilt,
         slope_inertial_number=load.slope_inertial_number,
@@ -724,6 +728,19 @@ def _softened(state: GrainState, contacts: Sequence[Loaded], mix: Mixed | None =
         stiffness=None if spring is None else spring[0],
         stiffness_for_rigid=rigid,
     )
+
+
+def _lacking(load: Load, moving: Sequence[Case]) -> str:
+    """The options that give the inertial number of a flow."""
+    sized = [case.first for case in moving if case.first.radius]
+    known = {
+        "shear": load.shear_rate is not None,
+        "pressure": bool(load.pressure),
+        "radius": bool(sized),
+        "density": any(body.mass for body in sized)
+        or (not sized and any(case.first.density for case in moving)),
+    }
+    return " and ".join(name for name, is_known in known.items() if not is_known)
 
 
 def _grain(cases: Sequence[Case], dimension: int) -> tuple[float | None, float | None]:

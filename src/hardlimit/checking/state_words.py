@@ -41,13 +41,20 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
         known = f"{sign}{digits(state.inertial_number, 2)}: {state.regime} flow{border}"
         parts.append(f"I = γ̇ d √(ρ/p) = {known}")
     elif state.name == "flow":
-        parts.append("--shear, of the flowing layer, gives the inertial number")
+        parts.append(_needed(state))
         parts.insert(0, _drum(state, plain))
     elif state.name == "rest" and (state.tilt or 0.0) >= flows.STEEP:
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
     return " ".join(f"{part}." for part in parts if part)
+
+
+def _needed(state: GrainState) -> str:
+    """The options that would give the inertial number of a flow."""
+    options = [f"--{name}" for name in (state.inertial_number_needs or "").split(" and ")]
+    options = ["--shear, of the flowing layer," if name == "--shear" else name for name in options]
+    return f"{' and '.join(options)} {'gives' if len(options) == 1 else 'give'} the inertial number"
 
 
 def _slides(state: GrainState) -> bool:
