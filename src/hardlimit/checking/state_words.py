@@ -124,6 +124,9 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     text += f": κ_p{least} {digits(kappa, 2)}"
     if state.regime != "dense" and not _slides(state):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
+        if state.overlap_range is not None and not most and not overlap.startswith("less"):
+            low, high = map(percent, state.overlap_range)
+            overlap = f"{low.removesuffix(' %')} to {high}"
         text += f", overlap {'' if overlap.startswith('less') else most}{overlap} of R"
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
@@ -173,7 +176,7 @@ def details(verdict: Verdict) -> Iterator[str]:
         yield f"Packing at rest: {packing}."
     if (state.regime == "dense" or _slides(state)) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
-        yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 2 to 8 times that."
+        yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 1 to 8 times that."
     elif state.deepest_overlap is not None:
         deepest = percent(state.deepest_overlap)
         yield f"The overlap is the mean of all contacts at this pressure; the deepest are about {deepest} of R."
@@ -181,6 +184,9 @@ def details(verdict: Verdict) -> Iterator[str]:
         yield "The overlap is that of the softest contacts: it is not known how many grains of each kind there are."
     elif state.overlap is not None:
         yield "The overlap is the mean of all contacts at this pressure, over the smaller radius of both grains."
+    if state.overlap_range is not None and state.smooth_overlap is not None and state.regime != "dense":
+        smooth = f"those compressed before they got it overlap by about {percent(state.smooth_overlap)} of R"
+        yield f"The range is that of ways to compress grains with their friction; {smooth}."
     if state.packing_excess is not None and state.coordination_excess is not None:
         denser, more = percent(state.packing_excess), percent(state.coordination_excess)
         yield f"Beds of such grains are {denser} denser than those of rigid ones and have {more} more contacts."
