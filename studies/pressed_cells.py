@@ -36,6 +36,7 @@ TIME_STEP: Final = 0.15  #: t_c/15
 #: Rate of strain along each axis [√(k/m)] from the end of the first compression to the first level, and at most there.
 ONSET, ADJUSTED = 1e-5, 2e-6
 REST: Final = 1000.0  #: time at each level, once the mean pressure over MEAN is within 5 % of it
+SLOW: Final = {0.0: 4.0, 1.0: 4.0}  #: grains of these frictions take longer by a factor
 MEAN, LONGEST = 150.0, 15000.0  #: the longest time until then
 MODULUS: Final = 0.2  #: about the bulk modulus of the packings [k/d]
 FRICTIONS: Final = (0.0, 0.1, 0.3, 0.5, 0.577, 1.0)
@@ -89,7 +90,7 @@ def radii_of(spread: float, seed: int) -> Floats:
 
 def script(mu: float, made: Preparation) -> str:
     """The input script of LAMMPS, which writes K.dump at the level K."""
-    steps, first = round(REST / TIME_STEP), 1.0 / LEVELS[made.first]
+    steps, first = round(SLOW.get(mu, 1.0) * REST / TIME_STEP), 1.0 / LEVELS[made.first]
 
     def law(friction: float) -> str:
         tangential = f"linear_history {made.stiffness_ratio!r} 0.0 {friction!r}"
