@@ -211,9 +211,9 @@ def axes() -> Mapping[str, Any]:
 
 
 def gather(runs: list[driver.Run]) -> xr.Dataset:
-    """The values of packings that have come to rest at the pressure of their level; the softest contacts bear it last.
+    """The values of packings that have come to rest at the pressure of their level.
 
-    Smooth grains need longer than was given to them above κ = 1e4, and a fast compression ends far from contact.
+    Not at rest were two of three smooth ones at κ = 1e5, and those of fast compressions, which end far from contact.
     """
     ds = driver.gathered(dataclasses.replace(STUDY, gather=None), runs)
     return ds.where((abs(ds.pressure * ds.level - 1.0) < NEAR) & (ds.energy < QUIET))
@@ -223,7 +223,7 @@ def gather(runs: list[driver.Run]) -> xr.Dataset:
 
 
 def carrying(ds: xr.Dataset) -> xr.DataArray:
-    """φ z, or of unequal grains the one that gives their mean force in the mean of δ over the smaller radius."""
+    """φ z."""
     return ds.packing_fraction * ds.coordination
 
 
@@ -260,13 +260,12 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
             points_of(by_friction, ds.sel(friction=mu, preparation="loose"), color, f"μ = {mu:g}")
             by_friction.plot(kappa, [expected(mu, 0.0, k) for k in kappa], color=color, lw=0.8, zorder=0)
         markers = "osv^D<>*P"
-        names = [name for name in PREPARATIONS]
-        for k, name in enumerate(names):
+        for k, name in enumerate(PREPARATIONS):
             points_of(
                 by_preparation,
                 ds.sel(friction=0.5, preparation=name),
                 colors[k % len(colors)],
-                name,
+                name.replace("k_t", "$k_t$"),
                 markers[k],
             )
         band = [

@@ -239,7 +239,7 @@ CELLS = xr.load_dataset(STUDIES / "pressed_cells.nc")
 
 
 def test_pressed_cells_carry_as_said():
-    """φ z by friction within 7 %, and of all preparations with friction within the range; means of three replicas."""
+    """φ z by friction within 6 %, and of all preparations with friction within the range; means of three replicas."""
     carrying = (CELLS.packing_fraction * CELLS.coordination).mean("replica")
     tried = 0
     for mu, name, kappa in itertools.product(
@@ -254,8 +254,8 @@ def test_pressed_cells_carry_as_said():
         elif not math.isnan(here):
             tried += 1
             assert at_rest.PREPARED[0] < over < at_rest.PREPARED[1]
-            assert name != "loose" or abs(over - 1.0) < 0.07
-    assert tried == 59
+            assert name != "loose" or abs(over - 1.0) < 0.06
+    assert tried == 60
 
 
 def test_pressed_cells_of_unequal_grains_overlap_as_said():
@@ -280,7 +280,8 @@ def test_pressed_grains_have_the_overlap_of_their_friction():
         overlaps.append(verdict.state.overlap)
         assert (" to " in verdict.sentence.partition("overlap")[2][:20]) is (mu > 0.0)
     assert overlaps == sorted(overlaps) and overlaps[1] < 0.95 * overlaps[2] < 0.9 * overlaps[3]
-    assert overlaps[3] == pytest.approx(overlaps[4])
+    rougher = hl.LinearDashpot(stiffness=1e4, restitution=0.5, friction=hl.Friction(2.0))
+    assert number(rougher, pressure=500.0).overlap == overlaps[4]
 
 
 # --- grains of unequal sizes ------------------------------------------------------------------------------------

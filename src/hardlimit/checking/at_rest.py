@@ -95,13 +95,14 @@ PACKINGS: Final = {
     (2, False): Packing(0.83, 4.0, 0.96, 3.32),
 }
 #: Spheres that are pressed together without gravity, by friction: φ, z, φ z of rigid ones, and how φ z grows with
-#: softness; larger frictions have the numbers of the last one (studies/pressed_cells.nc, κ_p from 1e3 to 1e5). With
+#: softness; frictions above 1 have the numbers of the last one (studies/pressed_cells.nc, κ_p from 1e3 to 1e5). With
 #: much friction a tenth of them carry nothing.
 PRESSED: Final = {
     0.0: (0.63, 6.0, 3.66, 3.1),
     0.1: (0.61, 5.2, 3.05, 3.5),
     0.3: (0.59, 4.7, 2.48, 5.0),
     0.5: (0.59, 4.5, 2.16, 6.0),
+    1.0: (0.58, 4.4, 2.02, 7.5),
 }
 #: Least and largest φ z over these, by the first packing fraction, rate, damping and tangential springs.
 PREPARED: Final = (0.92, 1.09)
