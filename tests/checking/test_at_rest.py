@@ -284,6 +284,18 @@ def test_pressed_grains_have_the_overlap_of_their_friction():
     assert number(rougher, pressure=500.0).overlap == overlaps[4]
 
 
+def test_a_bed_under_gravity_is_settled_whatever_gives_its_pressure():
+    """Only what a script presses has the packing of pressed grains."""
+    bed = STATES / "lammps_settled_bed"
+    for options in ({"pressure": 50.0}, {"height": 0.01}):
+        said = state(bed, speed=0.1, **options)
+        assert said.overlap_range is None and said.coordination == at_rest.PACKINGS[3, True].coordination
+    text = bed.read_text(encoding="utf-8").replace(
+        "\nrun ", "\nfix squeeze all press/berendsen iso 1 50 1\nrun "
+    )
+    assert state(text, speed=0.1).overlap_range is not None
+
+
 # --- grains of unequal sizes ------------------------------------------------------------------------------------
 
 
