@@ -193,6 +193,7 @@ def test_a_cell_is_pressed_to_the_pressures_of_its_levels(study, monkeypatch) ->
     assert (values["energy"] < script.QUIET).all() and carrying[1] > 1.1 * carrying[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["heated_gas", "sheared_gas", "flow_map", "shaken_column", "packings", "pressed_cells", "mixtures"],
