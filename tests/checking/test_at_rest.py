@@ -706,6 +706,16 @@ def test_the_overlap_in_a_settled_bed():
     assert at_rest.mean_force(share * weight, 2e-3, carrying, 3) == pytest.approx(force.mean(), rel=0.2)
 
 
+@pytest.mark.parametrize("style", ["hooke", "hertz"])
+def test_the_step_of_a_bed_on_a_wall_with_an_error_of_lammps_is_known(style):
+    """Versions of 2023 to 2026 whose walls lose their friction: until the first slip, their springs are known."""
+    numbers = f"{style}/history {'1e4' if style == 'hooke' else '1e8'} NULL 50.0 NULL 0.5 1"
+    wall = f"fix floor all wall/gran {numbers} zplane 0.0 NULL"
+    bed = script(f"pair_style gran/{numbers}\npair_coeff * *", FALL, wall)
+    right, wrong = (state(bed, height=0.1, version=version) for version in ("23 Jun 2022", "22 Jul 2025"))
+    assert wrong.largest_stable_step == pytest.approx(right.largest_stable_step, rel=1e-9)
+
+
 def test_a_step_too_long_for_a_packing_is_corrected():
     """Half of the longest stable one; a shorter step stays, whatever its error of ε."""
     bed = script(CLIPPED, FALL, WALL)
