@@ -261,7 +261,7 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
 
 def _tangential(system: ParticleSystem, law: Law, tangential_restitution: Any) -> float | None:
     """β0 of the rules constant and tc, as given or that of a typical impact; None without friction, also for μ = 0."""
-    given: float | None = None
+    own: float | None = None
     if tangential_restitution is not None:
         if law.friction is None:
             shown = validation.shown(tangential_restitution)
@@ -269,11 +269,11 @@ def _tangential(system: ParticleSystem, law: Law, tangential_restitution: Any) -
                 f"tangential_restitution: got {shown}, must be left out for a law without friction"
             )
         limits = {"lowest_allowed": True, "highest_allowed": True}
-        given = validation.number("tangential_restitution", tangential_restitution, -1.0, 1.0, **limits)
+        own = validation.number("tangential_restitution", tangential_restitution, -1.0, 1.0, **limits)
     if not rubs(law):
         return None
-    if given is not None:
-        return given
+    if own is not None:
+        return own
     grain = mean_grain(system)
     beta = law.between(grain, grain).effective_tangential_restitution(typical_speed(system), system.dimension)
     if not beta <= 1.0:  # NaN, or grains that gain energy by Mindlin's springs
