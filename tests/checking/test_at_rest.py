@@ -48,6 +48,12 @@ def test_a_bed_of_linear_springs():
     assert number(LINEAR, pressure=pressure).overlap == pytest.approx(overlap)
 
 
+def test_overlaps_beyond_all_contact_laws_have_no_number():
+    verdict = hl.check(BEAD, law=LINEAR, pressure=1e9)
+    assert "κ_p = 0.005, overlap more than half of R" in verdict.sentence
+    assert verdict.state.overlap > 1.0
+
+
 def test_a_bed_of_hertzian_grains():
     """κ_p = (E*/p)^(2/3), E* = E/(2(1 − ν²)); its power 2/3 is that of the modulus that is rigid."""
     pressed = number(HERTZIAN, pressure=1e4)
