@@ -59,3 +59,4 @@ from .boxes.error_law import ErrorLaw as ErrorLaw
 from .boxes.error_law import error_law as error_law
 from .checking.result import Verdict as Verdict
 from . import measure as measure
+from .boxes import theory as theory

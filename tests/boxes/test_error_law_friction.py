@@ -156,6 +156,19 @@ def test_the_rule_constant_has_an_error_of_its_own() -> None:
     assert "0.012 + 0.4" in str(law) and "μ = 0.5" in str(law)
 
 
+@pytest.mark.parametrize("mu", [0.01, 0.1, 1.0])
+def test_elastic_superballs_have_a_law(mu: float) -> None:
+    """ρ = 1: exactly the rule constant with β0 = 1, whatever the quadrature makes of it."""
+    ball = hl.Ball(1e-3, density=2500.0)
+    for epsilon in (1.0, 0.999999):
+        law = hl.LinearDashpot(stiffness=1e5, restitution=epsilon, friction=hl.Friction(mu))
+        beta0 = law.between(ball, ball).effective_tangential_restitution()
+        assert beta0 == pytest.approx(1.0, abs=1e-4) and beta0 <= 1.0
+    constant = rubbing(mu, 1.0, epsilon=1.0, rule="constant")
+    assert constant.coefficient == rubbing(mu, 1.0, epsilon=1.0).coefficient
+    assert constant.offset == pytest.approx(0.0, abs=1e-4)
+
+
 def test_without_friction_hard_spheres_cool_too_slowly() -> None:
     """In theory the translation of smooth spheres cools as 1 − ε², that of rough ones faster."""
     law = rubbing(0.3, 1.0, epsilon=0.718, temperature_ratio=0.0)

@@ -48,6 +48,12 @@ def test_a_bed_of_linear_springs():
     assert number(LINEAR, pressure=pressure).overlap == pytest.approx(overlap)
 
 
+def test_overlaps_beyond_all_contact_laws_have_no_number():
+    verdict = hl.check(BEAD, law=LINEAR, pressure=1e9)
+    assert "κ_p = 0.005, overlap more than half of R" in verdict.sentence
+    assert verdict.state.overlap > 1.0
+
+
 def test_a_bed_of_hertzian_grains():
     """κ_p = (E*/p)^(2/3), E* = E/(2(1 − ν²)); its power 2/3 is that of the modulus that is rigid."""
     pressed = number(HERTZIAN, pressure=1e4)
@@ -704,6 +710,16 @@ def test_the_overlap_in_a_settled_bed():
     share = at_rest.PACKINGS[3, True].stress_share
     carrying = at_rest.PACKINGS[3, True].carrying(2e3 / (weight * 2e-3), 3)
     assert at_rest.mean_force(share * weight, 2e-3, carrying, 3) == pytest.approx(force.mean(), rel=0.2)
+
+
+@pytest.mark.parametrize("style", ["hooke", "hertz"])
+def test_the_step_of_a_bed_on_a_wall_with_an_error_of_lammps_is_known(style):
+    """Versions of 2023 to 2026 whose walls lose their friction: until the first slip, their springs are known."""
+    numbers = f"{style}/history {'1e4' if style == 'hooke' else '1e8'} NULL 50.0 NULL 0.5 1"
+    wall = f"fix floor all wall/gran {numbers} zplane 0.0 NULL"
+    bed = script(f"pair_style gran/{numbers}\npair_coeff * *", FALL, wall)
+    right, wrong = (state(bed, height=0.1, version=version) for version in ("23 Jun 2022", "22 Jul 2025"))
+    assert wrong.largest_stable_step == pytest.approx(right.largest_stable_step, rel=1e-9)
 
 
 def test_a_step_too_long_for_a_packing_is_corrected():

@@ -1492,6 +1492,17 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
         f"region r block 0 1 0 1 0 1 move {' '.join('v_s' if name == axis else 'NULL' for name in 'xyz')}",
         WALL.replace("zplane 0 1", "region r"),
     ),
+    "formula": lambda axis, size, time: script(
+        CLIPPED, FALL, f"variable s equal 0.01-{size}*cos(2*PI*(step+7)*dt/{time})",
+        f"region r block 0 1 0 1 0 1 move {' '.join('v_s' if name == axis else 'NULL' for name in 'xyz')}",
+        WALL.replace("zplane 0 1", "region r"),
+    ),
+    "some grains": lambda axis, size, time: script(
+        CLIPPED, FALL, "region b block INF INF INF INF INF 0.01", "group low region b", "group high subtract all low",
+        f"variable s equal {size}*sin(2*PI*time/{time})", "variable v equal 0",
+        "fix mv low move variable " + " ".join("v_s" if name == axis else "NULL" for name in "xyz")
+        + " " + " ".join("v_v" if name == axis else "NULL" for name in "xyz"),
+    ).replace("fix move all", "fix move high"),
     "grains": lambda axis, size, time: script(CLIPPED, FALL, "group low type 2", "fix mv low move wiggle "
         + " ".join(str(size) if name == axis else "0" for name in "xyz") + f" {time}",
     ).replace("create_box 1", "create_box 2").replace("set type 1 ", "create_atoms 2 random 9 3 box\nset type 1*2 ")
@@ -1507,6 +1518,34 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
         f"{WALL.replace('1e5', '1e8')} wiggle {axis} {1e2 * size} {time}",
         units="cgs", grains="set type 1 diameter 0.2 density 2.5"),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        *(
+            "1e-3*sin(100*time)^2",
+            "1e-3*abs(sin(100*time))",
+            "1e-3*time*sin(100*time)",
+            "1e-3*sin(100*time)+0.1*time",
+        ),
+        *(
+            "1e-3*sin(time*time)",
+            "1e-3*sin(1)*time",
+            "1e-3*sin(100*time",
+            "v_none*sin(100*time)",
+            "1e-3*sin(1)",
+        ),
+        *("1e-3*sin(100*time)+1e-3*sin(200*time)", "1e-3*sin(100*time)*cos(100*time)", "vdisplace(0,0.1)"),
+    ],
+)
+def test_other_formulas_are_no_oscillation(formula):
+    """A floor that moves, but neither its Γ nor that grains rest on it is said."""
+    text = SHAKEN["formula"]("z", 1e-3, 0.02)
+    shaken = hl.check(re.sub("variable s equal .*", f"variable s equal {formula}", text), **QUIET)
+    assert shaken.stages[-1].shaking is None
+    moves = "time" in formula or "vdisplace" in formula
+    assert shaken.admissible is (None if moves else False) and ("walls drive" in shaken.sentence) is moves
 
 
 @pytest.mark.parametrize("kind", SHAKEN)

@@ -513,7 +513,7 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> CoefficientTe
 
     epsilon = float(contact.restitution(IMPACT_SPEED))
     offset, beta = math.nan, contact.effective_tangential_restitution(IMPACT_SPEED, dimension=dimension)
-    if not math.isnan(beta):
+    if beta <= 1.0:  # not NaN, nor that of contacts that gain energy
         rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
         offset = hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0
     return CoefficientTerms(

@@ -611,7 +611,7 @@ def _of_rule(gas_of: Gas, e: float, friction: Any, tangential_restitution: Any) 
     beta0 = validation.number("tangential_restitution", tangential_restitution, -1.0, 1.0, **limits)
     mu = math.inf
     if friction is not None and not (isinstance(friction, float) and friction == math.inf):
-        mu = validation.number("friction", friction, 0.0, lowest_allowed=True)
+        mu = validation.number("friction", friction, 0.0, lowest_allowed=True, highest_allowed=True)
     slope = (1.0 + 1.0 / gas_of.inertia_factor) * mu * (1.0 + e)
     return RotatingGas(
         gas_of, e, lambda ratio: maxwellian.walton_means(1.0 + beta0, slope, ratio, gas_of.dimension)

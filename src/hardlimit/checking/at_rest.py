@@ -249,9 +249,10 @@ def springs_of(case: Case, overlap: float) -> Springs | None:
     normal, damping = p * force.stiffness * overlap ** (p - 1.0), force.damping * overlap**q
     if case.friction.coefficient == 0.0:
         return Springs(normal, 0.0, damping)
-    if case.friction.terms is None:
+    make_terms = case.friction.terms or case.friction.sticking
+    if make_terms is None:
         return None
-    terms = case.friction.terms(*bodies, 1.0)
+    terms = make_terms(*bodies, 1.0)
     tangential = terms.stiffness * overlap ** (0.25 * terms.stiffness_power)
     return Springs(normal, tangential, damping, terms.damping * overlap ** (0.25 * terms.damping_power))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from ..contact import compression
 from ..support.formatting import digits, length, percent, quantity
 from . import flows
 from .answer import stiffness
@@ -117,6 +118,8 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     text += f": κ_p{least} {digits(kappa, 2)}"
     if state.regime != "dense" and not _slides(state):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
+        if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
+            overlap = "more than half"  # which no contact law describes
         text += f", overlap {'' if overlap.startswith('less') else most}{overlap} of R"
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
