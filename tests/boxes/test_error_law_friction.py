@@ -190,6 +190,8 @@ def test_what_is_not_known_with_friction_is_refused() -> None:
     outside = rubbing(1.5, 1.0)
     assert "μ = 1.5 is outside the measured range 0 to 1" in outside.extrapolated
     assert outside.coefficient_error > 2.0 * rubbing(1.0, 1.0).coefficient_error
+    assert not rubbing(0.5, 1.0, epsilon=0.99).extrapolated
+    assert "ε = 0.999 is outside" in rubbing(0.5, 1.0, epsilon=0.999).extrapolated
     for other in ({"rule": "constant"}, {"dimension": 2}):
         assert math.isnan(rubbing(0.5, 1.0, **other).heated_error(0.1))
     assert "friction" in refusal(lambda: outside.sheared_errors(0.1))

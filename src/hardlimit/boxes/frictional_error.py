@@ -82,7 +82,7 @@ MEASURED: Final = MappingProxyType(
         "ε": (0.7, 0.99),
     }
 )
-#: Relative distance from these ranges that counts as none.
+#: Relative distance from these ranges that counts as none; of ε, in 1 − ε.
 NEAR: Final = 0.02
 ANGLES: Final = 1000  #: angles of impact in a table of β, which changes a by less than 1e-8
 #: Factors by which values may be outside these ranges; beyond, nothing is known.
@@ -143,12 +143,14 @@ class Setting(NamedTuple):
 
     def _beyond(self) -> list[tuple[str, float, float, float]]:
         """Names and values outside the measured range, and its ends."""
-        return [
-            (name, value, low, high)
-            for name, value in self.values().items()
-            for low, high in [MEASURED[name]]
-            if not low * (1.0 - NEAR) <= value <= high * (1.0 + NEAR)
-        ]
+
+        def inside(name: str, value: float, low: float, high: float) -> bool:
+            if name == "ε":
+                value, low, high = 1.0 - value, 1.0 - high, 1.0 - low
+            return low * (1.0 - NEAR) <= value <= high * (1.0 + NEAR)
+
+        ends = ((name, value, *MEASURED[name]) for name, value in self.values().items())
+        return [beyond for beyond in ends if not inside(*beyond)]
 
     def contact(self) -> Contact:
         """Two equal grains with a stiffness or a modulus of 1; ε at the mean impact speed."""
