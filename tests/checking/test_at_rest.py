@@ -535,6 +535,31 @@ def test_the_inertial_number_decides_on_the_regime():
     assert at_rest.regime(border, border) == "collisional"
 
 
+def test_a_bound_of_the_pressure_has_a_regime_where_all_pressures_have_it():
+    """Of random boxes between walls: the regime is that at each pressure from one layer of grains to the bound."""
+    random = np.random.default_rng(6)
+    walled = script(CLIPPED, FALL, WALL).replace("boundary p p p", "boundary f f f")
+    regimes = []
+    for _ in range(40):
+        rate = 10.0 ** random.uniform(-3, 4)
+        bed = walled.replace("hooke 1e5", f"hooke {10.0 ** random.uniform(3, 7):.4g}")
+        verdict = hl.check(bed, shear_rate=rate)
+        said = verdict.state
+        layer = said.packing_fraction * 2500.0 * 9.81 * 2e-3
+        known = [
+            hl.check(bed, shear_rate=rate, pressure=p).state
+            for p in np.geomspace(layer, said.pressure, 6).tolist()
+        ]
+        assert said.pressure_is_bound and known[-1].inertial_number == pytest.approx(said.inertial_number)
+        assert known[0].inertial_number == pytest.approx(said.largest_inertial_number)
+        at = {each.regime for each in known}
+        assert said.regime == (at.pop() if len(at) == 1 else None)
+        assert verdict.admissible is (False if said.regime in ("quasi-static", "dense") else None)
+        assert ("contacts last below I" in verdict.sentence) is (said.regime is None)
+        regimes.append(said.regime)
+    assert {*regimes} == {"quasi-static", "dense", "collisional", None}
+
+
 def test_contacts_last_below_the_border_in_all_measured_flows():
     """On average twice as long as a collision: in 96 boxes, those within 10 % of it aside."""
     data = xr.load_dataset(STUDIES / "lasting_contacts.nc").stack(run=("friction", "stiffness", "looser"))

@@ -567,7 +567,10 @@ class GrainState:
     restitution: float | None = None  #: ε of this impact
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
-    regime: str | None = None  #: "quasi-static", "dense" or "collisional"
+    largest_inertial_number: float | None = None  #: that below one layer of grains, if p has only a bound
+    regime: str | None = (
+        None  #: "quasi-static", "dense" or "collisional"; None if it depends on p below its bound
+    )
     collisional_from: float | None = None  #: I where contacts last twice as long as a collision
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
@@ -584,9 +587,9 @@ class GrainState:
         :meta private:
         """
         border, slope = self.collisional_from, self.slope_inertial_number
-        if border is None or self.inertial_number is not None or slope is None:
-            return self.regime == "collisional"
-        return slope[1] >= border
+        if self.inertial_number is not None:
+            return self.regime in (None, "collisional")
+        return border is not None and slope is not None and slope[1] >= border
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -605,11 +608,29 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     state = _held_together(moving, load, time_step, dimension)
     if state.inertial_number is None and state.slope_inertial_number is None:
         return state
-    border = collisional_from(bounciest(moving), None if state.pressure_is_bound else state.stiffness_number)
-    inertial = state.inertial_number
+    restitution, kappa, inertial = bounciest(moving), state.stiffness_number, state.inertial_number
+    if inertial is None:
+        border = collisional_from(restitution, None if state.pressure_is_bound else kappa)
+        return replace(state, collisional_from=border)
+    border = collisional_from(restitution, kappa)
+    if not state.pressure_is_bound:
+        return replace(state, collisional_from=border, regime=regime(inertial, border))
+    layer = grain_state(cases, _below_a_layer(load, moving, state, dimension), time_step, dimension)
+    agree = regime(inertial, border) == layer.regime
     return replace(
-        state, collisional_from=border, regime=None if inertial is None else regime(inertial, border)
+        state,
+        largest_inertial_number=layer.inertial_number,
+        collisional_from=layer.collisional_from,
+        regime=layer.regime if agree else None,
     )
+
+
+def _below_a_layer(load: Load, cases: Sequence[Case], state: GrainState, dimension: int) -> Load:
+    """The least pressure in a bed, below one layer of grains: there I is largest and the collisional border lowest."""
+    diameter, density = _grain(cases, dimension)
+    assert state.pressure and diameter and density and load.gravity
+    least = weight(diameter, (state.packing_fraction or 0.0) * density, load.gravity)
+    return replace(load, pressure=min(least, state.pressure), bound=False)
 
 
 def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, dimension: int) -> GrainState:
