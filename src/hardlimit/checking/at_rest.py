@@ -35,6 +35,8 @@ QUASI_STATIC: Final = 1e-3
 #: sheared by our own steps (studies/lasting_contacts.nc), κ_p from 1500 on. Stiffer grains separate in slower flow.
 SEPARATING: Final = (0.09, 0.92, 0.2)
 SEPARATED_FROM: Final = 2.0
+#: This I over that of μ from 0.3 to 0.7, for grains of other friction.
+FRICTION_SHARE: Final = {0.1: 0.8, 0.3: 1.0, 0.7: 1.0, 1.0: 0.6}
 LEAST_RESTITUTION, SOFTEST_FLOW = 0.5, 1.5e3
 #: κ_p of flows of which it is not known: stiffer than most.
 STIFF_FLOW: Final = 1e6
@@ -142,14 +144,24 @@ def inertial_number(shear_rate: float, diameter: float, density: float, pressure
     return abs(shear_rate) * diameter * math.sqrt(density / pressure)
 
 
-def collisional_from(restitution: float, kappa: float | None) -> float:
+def collisional_from(restitution: float, kappa: float | None, friction: float | None) -> float:
     """Inertial number above which contacts last less than twice as long as a collision, on average.
 
-    Outside the measured ranges it is that of their ends, of larger κ_p that of the formula: rather too low.
+    Outside the measured ranges it is that of their ends, of larger κ_p that of the formula, rather too low; of unknown
+    κ_p or friction a low one.
     """
     elastic, dissipative, power = SEPARATING
     loss = 1.0 - max(restitution, LEAST_RESTITUTION)
-    return float((elastic + dissipative * loss) * (max(kappa or STIFF_FLOW, SOFTEST_FLOW) / RIGID) ** -power)
+    shares = list(FRICTION_SHARE.values())
+    share = min(shares) if friction is None else float(np.interp(friction, list(FRICTION_SHARE), shares))
+    border = (elastic + dissipative * loss) * (max(kappa or STIFF_FLOW, SOFTEST_FLOW) / RIGID) ** -power
+    return float(share * border)
+
+
+def separating(cases: Sequence[Case], kappa: float | None) -> float:
+    """:func:`collisional_from` of grains with these contacts: the lowest of their frictions."""
+    frictions = {case.friction.coefficient for case in cases if case.second is not None} or {None}
+    return min(collisional_from(bounciest(cases), kappa, friction) for friction in frictions)
 
 
 def bounciest(cases: Sequence[Case]) -> float:
@@ -608,12 +620,11 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     state = _held_together(moving, load, time_step, dimension)
     if state.inertial_number is None and state.slope_inertial_number is None:
         return state
-    restitution, kappa, inertial = bounciest(moving), state.stiffness_number, state.inertial_number
+    kappa, inertial, bound = state.stiffness_number, state.inertial_number, state.pressure_is_bound
+    border = separating(moving, None if bound and inertial is None else kappa)
     if inertial is None:
-        border = collisional_from(restitution, None if state.pressure_is_bound else kappa)
         return replace(state, collisional_from=border)
-    border = collisional_from(restitution, kappa)
-    if not state.pressure_is_bound:
+    if not bound:
         return replace(state, collisional_from=border, regime=regime(inertial, border))
     layer = grain_state(cases, _below_a_layer(load, moving, state, dimension), time_step, dimension)
     agree = regime(inertial, border) == layer.regime

@@ -40,7 +40,7 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     elif state.name == "flow":
         parts.append("--shear, of the flowing layer, gives the inertial number")
         parts.insert(0, _drum(state, plain))
-    elif state.name == "rest" and (state.tilt or 0.0) >= flows.STEEP:
+    elif state.name == "rest" and ((state.tilt or 0.0) >= flows.STEEP or _slides(state)):
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
