@@ -25,11 +25,11 @@ from .scripts.description import WALL
 #: 0.9 differ from the formula.
 SLOPES: Final = {
     0.1: (0.265, 0.03),
-    0.2: (0.316, 0.025),
+    0.2: (0.315, 0.025),
     0.3: (0.349, 0.025),
     0.5: (0.376, 0.025),
-    0.7: (0.389, 0.025),
-    1.0: (0.395, 0.035),
+    0.7: (0.388, 0.025),
+    1.0: (0.391, 0.04),
 }
 #: t − s and I₀, for all of these, and the I up to which they were measured; faster flows depend on ε.
 RISE, SCALE, FASTEST = 0.65, 0.9, 0.4
