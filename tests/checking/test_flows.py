@@ -122,6 +122,17 @@ def test_a_slope_and_its_own_shear_have_one_answer():
     assert 10 < answers.count(None) < 50
 
 
+@pytest.mark.parametrize(("mu", "share"), [(0.05, 0.8), (0.2, 0.9), (0.6, 1.0), (1.0, 0.6), (1.5, 0.6)])
+def test_contacts_last_to_the_border_of_their_friction(mu, share):
+    """Over that of μ = 0.5, under the same shear."""
+    rubs = ("NULL 50 NULL 0.5 0", f"NULL 50 NULL {mu} 0")
+    border, usual = (
+        hl.check(text("lammps_chute", *change), shear_rate=0.1).state.collisional_from
+        for change in ([rubs], [])
+    )
+    assert border == pytest.approx(share * usual)
+
+
 @pytest.mark.parametrize(
     "change",
     [
