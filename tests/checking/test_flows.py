@@ -78,6 +78,17 @@ def test_a_deep_layer_on_a_rough_base_flows_as_said():
 
 
 @pytest.mark.parametrize(
+    ("mu", "tilt", "inertial"),
+    [("0.1", "20.0", (0.168, 0.172)), ("1.0", "25.0", (0.131, 0.116))],
+)
+def test_other_frictions_flow_in_lammps_as_said(mu, tilt, inertial):
+    """``lammps_rough_chute`` with another μ and angle (22 Jul 2025, two parts, as tools/verify_motion.py)."""
+    changes = ("5714.285714285715 0.0 0.5", f"5714.285714285715 0.0 {mu}"), ("chute 24.0", f"chute {tilt}")
+    low, high = hl.check(text("lammps_rough_chute", *changes)).state.slope_inertial_number
+    assert all(low < part < high for part in inertial) and high < 4.0 * low
+
+
+@pytest.mark.parametrize(
     ("tilt", "words"),
     [
         (16.0, "on a rough base a deep layer rests below 21°."),
