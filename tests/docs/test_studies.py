@@ -165,14 +165,14 @@ def test_the_layer_of_a_drum_is_found(study) -> None:
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     states = np.zeros((40, number, 6))
     states[..., :2], states[..., 3:5] = places @ turn, speed[..., None] * turn[0]
-    found = script.layer(drum, states)
+    layer = script.layer(drum, states)
     pressure = 0.5 * bottom * script.BULK * script.DENSITY * np.cos(angle)
-    assert found["angle"] == pytest.approx(30.0, abs=0.5)
-    assert found["depth"] == pytest.approx(bottom, abs=0.3)
-    assert found["shear_rate"] == pytest.approx(rate, rel=0.05)
-    assert found["inertial_number"] == pytest.approx(rate * np.sqrt(script.DENSITY / pressure), rel=0.08)
+    assert layer["angle"] == pytest.approx(30.0, abs=0.5)
+    assert layer["depth"] == pytest.approx(bottom, abs=0.3)
+    assert layer["shear_rate"] == pytest.approx(rate, rel=0.05)
+    assert layer["inertial_number"] == pytest.approx(rate * np.sqrt(script.DENSITY / pressure), rel=0.08)
     carried = 0.5 * drum.rate * drum.half_surface**2
-    assert found["flux"] == pytest.approx(0.5 * rate * bottom**2 / carried, rel=0.1)
+    assert layer["flux"] == pytest.approx(0.5 * rate * bottom**2 / carried, rel=0.1)
 
 
 @pytest.mark.parametrize(
