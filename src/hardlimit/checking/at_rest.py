@@ -580,9 +580,7 @@ class GrainState:
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
     largest_inertial_number: float | None = None  #: that below one layer of grains, if p has only a bound
-    regime: str | None = (
-        None  #: "quasi-static", "dense" or "collisional"; None if it depends on p below its bound
-    )
+    regime: str | None = None  #: "quasi-static", "dense" or "collisional"; None if p below its bound decides
     collisional_from: float | None = None  #: I where contacts last twice as long as a collision
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
@@ -640,7 +638,8 @@ def _below_a_layer(load: Load, cases: Sequence[Case], state: GrainState, dimensi
     """The least pressure in a bed, below one layer of grains: there I is largest and the collisional border lowest."""
     diameter, density = _grain(cases, dimension)
     assert state.pressure and diameter and density and load.gravity
-    least = weight(diameter, (state.packing_fraction or 0.0) * density, load.gravity)
+    across = load.gravity * math.cos(math.radians(load.tilt or 0.0))
+    least = weight(diameter, (state.packing_fraction or 0.0) * density, across)
     return replace(load, pressure=min(least, state.pressure), bound=False)
 
 
