@@ -144,6 +144,17 @@ def test_contacts_last_to_the_border_of_their_friction(mu, share):
     assert border == pytest.approx(share * usual)
 
 
+def test_of_several_frictions_the_lowest_border_counts():
+    """A base of μ = 1 below grains of 0.5."""
+    line = next(line for line in text("lammps_rough_chute").splitlines() if line.startswith("pair_coeff"))
+    rougher = line.replace("* *", "1 2").removesuffix("0.5") + "1.0"
+    border, usual = (
+        hl.check(text("lammps_rough_chute", (line, lines)), shear_rate=0.1).state.collisional_from
+        for lines in (f"{line}\n{rougher}", line)
+    )
+    assert border == pytest.approx(0.6 * usual)
+
+
 @pytest.mark.parametrize(
     "change",
     [
