@@ -982,11 +982,12 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
 
 
 def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
-    """A collisional flow under gravity is driven, but no homogeneous gas."""
+    """A flow under gravity that is collisional, or may be so, is driven, but no homogeneous gas."""
     if not (grains.may_separate and gravity):
         return question
-    slope = grains.regime is None
-    how = "a slope on which contacts may not last" if slope else "a collisional flow under gravity"
+    where = "a slope on" if grains.inertial_number is None else "a flow under gravity in"
+    known = grains.regime == "collisional"
+    how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
     return replace(question, driven=how)
 
 
