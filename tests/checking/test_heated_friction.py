@@ -150,7 +150,7 @@ def test_extremes_have_an_answer(mu, rho, e, damping, phi, kind, d, power):
     case = cases.of_law([BEAD], law, False, None)[0]
     if phi < 0.4:
         without = driven.without_friction(case, driven.gas(case, d, phi), 0.1)
-        assert without is None or without > -1.0
+        assert without is None or without >= -1.0  # at rest, if spins alone are heated
         assert kind != "power" or without is None or without > -1e-3
 
 
@@ -300,8 +300,8 @@ RUNS = {
 def test_heated_grains_have_the_temperature_and_the_error_of_check(name):
     """2000 grains, 100 collisions of each: T and T_r/T of hard spheres within 5 %, and the error of T within its bars.
 
-    Four runs of 4000 grains and 150 collisions are in docs/driven_gases.md. Kinetic theory leaves out that velocities
-    are correlated, which makes T 2 to 3 % higher.
+    Kinetic theory leaves out that velocities are correlated, which makes T about 3 % higher. studies/driven_friction.py
+    has more runs.
     """
     phi, e, mu, rho, damping, tc_nu, share = RUNS[name]
     start = hl.ParticleSystem.random(2000, phi, 1e-3, 2500.0, 0.1, seed=1, rms_spin="equal")
@@ -312,8 +312,8 @@ def test_heated_grains_have_the_temperature_and_the_error_of_check(name):
     speed = math.sqrt(math.pi * start.granular_temperature)
     law = law.replace(stiffness=1e5 * (law.between(BEAD, BEAD).duration(speed) * nu / tc_nu) ** 2)
     kicks = hl.RandomKicks(1e-3, 1.0, rotational=1e-3 * share if share else None)
-    found = hl.check(start.replace(thermostat=kicks), law=law).rows[0].speed  # ∝ power^(1/3)
-    power = 1e-3 * (speed / found) ** 3
+    reached = hl.check(start.replace(thermostat=kicks), law=law).rows[0].speed  # ∝ power^(1/3)
+    power = 1e-3 * (speed / reached) ** 3
     kicks = hl.RandomKicks(power, 0.05 / nu, rotational=power * share if share else None, seed=77)
     start = start.replace(thermostat=kicks)
     row = hl.check(start, law=law).rows[0]

@@ -83,8 +83,7 @@ MEASURED: Final = MappingProxyType(
         "ε": (0.7, 0.99),
     }
 )
-#: The same for heated gases, by studies/driven_friction.py and, with damping, tests/checking/test_heated_friction.py.
-#: For μ → 0 the law is that of smooth grains.
+#: The same for heated gases, by studies/driven_friction.py. For μ → 0 the law is that of smooth grains.
 MEASURED_HEATED: Final = MappingProxyType(
     {
         "μ": (0.0, 1.0),

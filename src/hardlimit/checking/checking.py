@@ -184,8 +184,8 @@ def check(
     ends a contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The error of ε by the time step is that of
     the code's integration in an isolated contact. Rayleigh time: Thornton & Randall, Micromechanics of Granular
     Materials (1988). Steady temperatures: van Noije & Ernst, Granular Matter 1, 57 (1998) for heating (within 3 % of
-    simulations for φ ≤ 0.1; where hard spheres are correlated, T is up to 30 % higher), Lun et al., J. Fluid Mech. 140,
-    223 (1984) for shear.
+    simulations for φ ≤ 0.1; where hard spheres are correlated, T is up to 30 % higher), with friction that of
+    :class:`hardlimit.boxes.theory.RotatingGas`; Lun et al., J. Fluid Mech. 140, 223 (1984) for shear.
 
     Examples
     --------

@@ -177,9 +177,7 @@ class CheckedContact:
     sheared_error_bar: float | None = None  #: its standard error
     friction: CheckedFriction = SMOOTH  #: that of the event-driven grains, too
     frictionless_error: float | None = None  #: of the quantity asked for, of grains without friction
-    smooth_error: float | None = (
-        None  #: of cooling, or of the temperature asked for, without the friction, in theory
-    )
+    smooth_error: float | None = None  #: of the quantity asked for without the friction, in theory
     temperature_ratio: float | None = None  #: T_r/T of a heated gas with friction, in theory
     extrapolated: str = ""  #: how the friction is outside what was measured for the error, in words
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar

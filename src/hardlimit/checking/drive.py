@@ -104,7 +104,7 @@ class Drive:
         c = (1.0 - restitution**2) * float(gas.collision_rate(hot)) / (gas.dimension * rate)
         if not c > 0.0:
             return hot
-        size = c ** (-1.0 / 3.0)
+        size: float = c ** (-1.0 / 3.0)
         x = size * theory.root_with_drag(size * size)
         return hot * x * x
 
