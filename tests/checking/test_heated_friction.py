@@ -6,7 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -210,7 +210,7 @@ def test_what_is_not_known_of_heated_friction_is_said_in_a_line():
     """Temperature and T_r/T stand, without the number of the error."""
     reasons = {
         f"{LANGEVIN} omega yes": "known only where no thermostat acts on spins",
-        f"{LANGEVIN} ": "not known with this friction (it is for spheres with linear springs, normal and tangential)",
+        f"{LANGEVIN} ": "not known with this friction (it is for spheres of one μ with linear springs, normal and",
     }
     for langevin, reason in reasons.items():
         model = "linear_history 571.4 0.5" if "omega" in langevin else "mindlin_rescale NULL 1.0"
@@ -262,6 +262,33 @@ def test_a_heated_script_with_friction_has_its_number():
     )
     slight = hl.check(script(LANGEVIN, mu=1e-6)).rows[0]
     assert slight.heated_error == pytest.approx(smooth.heated_error, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_elastic_grains_that_rub_have_a_steady_state():
+    """Friction alone dissipates, also that of superballs; smooth ones heat for ever."""
+    for rho in (1.0, 2.88):
+        verdict = hl.check(BEAD, law=dashpot(0.5, rho, 1.0), packing_fraction=0.2, power=1e-6)
+        row = verdict.rows[0]
+        assert row.heated_error_bar > 0.0 and row.smooth_error is None and row.speed > 0.0
+        assert "Event-driven must have the same friction (rule law). Less is known" in verdict.sentence
+    assert hl.check(BEAD, law=dashpot(0.0, e=1.0), packing_fraction=0.2, power=1e-6).rows[0].speed is None
+
+
+@pytest.mark.slow
+@settings(max_examples=12, deadline=None, phases=[Phase.reuse, Phase.generate])
+@given(
+    log_floats(1e3, 1e7), st.floats(0.6, 0.98), st.floats(0.05, 0.48), log_floats(1e-5, 1e-1), st.floats(0.01, 1.5),
+    st.floats(0.8, 3.8), st.floats(0.0, 1.0),
+)  # fmt: skip
+def test_the_softest_heated_grains_that_rub_are_admissible(stiffness, e, phi, power, mu, rho, damping):
+    def with_stiffness(value):
+        law = dashpot(mu, rho, e, damping).replace(stiffness=value)
+        return hl.check(BEAD, law=law, packing_fraction=phi, power=power * BEAD.mass)
+
+    row = with_stiffness(stiffness).rows[0]
+    assert with_stiffness(1.001 * row.spring[2]).admissible is True
+    assert with_stiffness(0.97 * row.spring[2]).admissible is not True
 
 
 @pytest.mark.slow

@@ -539,7 +539,8 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> CoefficientTe
     epsilon = float(contact.restitution(IMPACT_SPEED))
     offset, beta = math.nan, contact.effective_tangential_restitution(IMPACT_SPEED, dimension=dimension)
     if not math.isnan(beta):
-        rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
+        beta0 = min(beta, 1.0)  # superballs without damping have 1, which was computed
+        rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta0), exponent)
         offset = hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0
     return CoefficientTerms(
         energy=slower(Changes(translation=-translation, rotation=-rotation)),

@@ -164,17 +164,17 @@ def _known_only(question: Question) -> str:
         return "known only without friction"
     if question.heats_spins:
         return "known only where no thermostat acts on spins"
-    of_heated = " (it is for spheres with linear springs, normal and tangential)"
+    of_heated = " (it is for spheres of one μ with linear springs, normal and tangential)"
     return f"not known with this friction{of_heated * (question.quantity == 'temperature')}"
 
 
 def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:
     """Which friction event-driven grains must have, and what leaving it out would do; empty for smooth ones."""
-    rubbing = [row for row in known if row.smooth_error is not None]
+    rubbing = [row for row in known if row.friction.coefficient != 0.0]
     if not rubbing:
         return ""
     row = max(rubbing, key=lambda row: abs(row.smooth_error or 0.0))
-    value, beta = row.smooth_error or 0.0, row.friction.effective_tangential_restitution
+    value, beta = row.smooth_error, row.friction.effective_tangential_restitution
     constant = ""
     cools = question.quantity == "cooling"
     if cools and beta is not None and {"constant", "law"} <= set(row.error):
@@ -183,12 +183,14 @@ def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:
             f" or constant with μ {digits(row.friction.coefficient or 0.0, 3)} and β0 {digits(beta, 2)}"
         )
         constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
-    way = WAYS[question.quantity][value < 0.0]
-    without = f"without, it {'cools' if cools else 'is'} about {percent(abs(value))} {way}"
+    without = ""
+    if value is not None:
+        way = WAYS[question.quantity][value < 0.0]
+        without = f"; without, it {'cools' if cools else 'is'} about {percent(abs(value))} {way}"
     beyond = next(
         (f" Less is known of these grains: {row.extrapolated}." for row in known if row.extrapolated), ""
     )
-    return f" Event-driven must have the same friction (rule law{constant}); {without}.{beyond}"
+    return f" Event-driven must have the same friction (rule law{constant}){without}.{beyond}"
 
 
 def _not_known(missing: Sequence[str], question: Question) -> str:

@@ -444,7 +444,7 @@ def _with_friction(
     largest = _largest_tc_nu(lambda x: getattr(error("law", x), gas.quantity, None))
     exponent = 0.25 * force.powers.elastic + 1.0
     softening = None if largest is None else (tc_nu / largest) ** exponent
-    without = smooth_error(*state) if gas.without_friction is None else gas.without_friction(at)
+    without = gas.without_friction(at) if gas.without_friction else None if heated else smooth_error(*state)
     said = {"smooth_error": without, "extrapolated": extrapolated(*state, heated)}
     return numbers | said | {"rule": "law", "softening": softening}
 
@@ -452,7 +452,8 @@ def _with_friction(
 def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:
     """t_c ν at which error and bar make 1 %, at most the largest measured; None if the error is not known.
 
-    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice.
+    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice, unless the error changes its
+    sign.
     """
     x = MEASURED_TC_NU
     for _ in range(FIXED_POINT_STEPS):
@@ -461,8 +462,14 @@ def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> floa
         size, before = abs(value[0]) + value[1], x
         x = MEASURED_TC_NU if size == 0.0 else min(x * ACCEPTED / size, MEASURED_TC_NU)
         if math.isclose(x, before, rel_tol=1e-12):
+            return x
+    low, high = 0.0, MEASURED_TC_NU
+    while not math.isclose(low, high, rel_tol=1e-12):
+        middle = 0.5 * (low + high)
+        if not low < middle < high or (value := error(middle)) is None:
             break
-    return x
+        low, high = (middle, high) if abs(value[0]) + value[1] <= ACCEPTED else (low, middle)
+    return low
 
 
 def restitution_of(case: Case, speed: float) -> float:
