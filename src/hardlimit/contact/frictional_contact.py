@@ -73,6 +73,11 @@ def tangential_restitution(contact: FrictionalContact, speed: float, angles: Flo
     return _restitution(contact, speed, np.maximum(np.tan(angles), smallest))
 
 
+def of_tangents(own: FrictionalContact, tangents: Floats) -> Floats:
+    """β at each tan γ > 0 of a contact in its own units; NaN where it is not resolved."""
+    return _restitution(own, 1.0, tangents)
+
+
 def table(contact: FrictionalContact, speed: float) -> tuple[tuple[float, float], ...]:
     """β at each of :data:`ANGLES`; empty if the bodies stay together."""
     return _table(in_own_units(contact, speed))

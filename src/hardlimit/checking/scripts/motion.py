@@ -10,10 +10,10 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Final
 
-from .description import Direction, Motion, Note
+from .description import Bath, Direction, Motion, Note
 from .formulas import NUMBER
 
 if TYPE_CHECKING:
@@ -38,6 +38,9 @@ BOLTZMANN: Final = {
     "micro": 1.380649e-8,
     "nano": 0.01380649,
 }
+#: q of the moment of inertia with which ``fix langevin`` turns grains, its rate for spins over that for velocities, and
+#: the words that switch this on.
+SPHERE, OF_SPINS, YES = 0.4, 10.0 / 3.0, ("yes", "on", "true")
 WIGGLE: Final = re.compile(r"\s*[sc]wiggle\(([^,]*),([^,]*),([^,]*)\)\s*")
 TIME: Final = re.compile(r"\btime\b")
 STEPS: Final = re.compile(r"\b(?:step|elapsed)\b")
@@ -45,13 +48,13 @@ WAVE: Final = re.compile(r"\b(?:sin|cos)\(")
 #: A reference to what the simulation computes, such as a force.
 MEASURED: Final = re.compile(r"\b[cf]_\w+")
 
-Driven = tuple[tuple[Note, ...], tuple[Note, ...], float | None, tuple[float, float] | None]
+Driven = tuple[tuple[Note, ...], tuple[Note, ...], float | None, Bath | None]
 
 
 def driven(state: State) -> Driven:
     """What presses the grains, what else drives them, the shear rate, and the thermostat that hold now."""
     pressed, others = list(state.squeezed), list[Note]()
-    rates, baths = list[float](), list[tuple[float, float]]()
+    rates, baths = list[float](), list[Bath]()
     for fix in state.fixes.values():
         if fix.style.startswith("deform"):
             kind, rate = deformation(state, fix.words)
@@ -112,16 +115,33 @@ def measured(state: State, words: Sequence[str]) -> bool:
     return any(MEASURED.search(value) for name in names if name in known for value in known[name].values)
 
 
-def bath(state: State, fix: Fix) -> tuple[float, float] | None:
-    """k_B T and 2/damp of ``fix langevin`` on all grains at a constant temperature; None for other ones."""
+def bath(state: State, fix: Fix) -> Bath | None:
+    """``fix langevin`` on all grains at a constant temperature, with the rate 2/damp; None for other ones.
+
+    With ``omega yes`` it acts on spins, 10/3 times as fast, with the moment of inertia of spheres.
+    """
     group, numbers = state.members(fix.group), [state.coefficient(word) for word in fix.words[:3]]
     if len(numbers) < 3 or None in numbers or not group.whole:
         return None
     start, stop, damp = (float(number) for number in numbers if number is not None)
-    every = group.types is None or group.types >= {k for k in state.present() if not state.frozen(k)}
+    moving = {k for k in state.present() if not state.frozen(k)}
+    every = group.types is None or group.types >= moving
     if not every or start != stop or not (start > 0.0 and damp > 0.0) or state.units not in BOLTZMANN:
         return None
-    return BOLTZMANN[state.units] * start, 2.0 / damp
+    options = fix.words[4:]
+    scales = [options[k + 1 : k + 3] for k, word in enumerate(options[:-2]) if word == "scale"]
+    scaled = {kind: state.coefficient(by) for kind, by in scales}
+    longer = {scaled.get(str(kind), 1.0) for kind in moving}
+    times = longer.pop() if len(longer) == 1 and all(kind.isdecimal() for kind in scaled) else None
+    if not times or times < 0.0:
+        return None
+    energy, rate = BOLTZMANN[state.units] * start, 2.0 / (damp * times)
+    on = [value for word, value in pairwise(options) if word == "omega"]
+    if not on or on[-1] not in YES:
+        return Bath(energy, rate)
+    factors = {state.inertia_factor(kind) for kind in moving}
+    own = factors.pop() if len(factors) == 1 else SPHERE
+    return Bath(energy, rate, energy, OF_SPINS * rate * SPHERE / own)
 
 
 # --- the box ------------------------------------------------------------------------------------------------
