@@ -1,12 +1,13 @@
 """Measurement of dense flow: stress ratio and packing fraction of sheared grains with friction over the inertial
 number I = γ̇ d √(ρ/p) (see driver.py).
 
-300 spheres of diameter 1 and mass 1, k_t = 2/7 k, under Lees–Edwards shear at constant volume, at stiffness numbers
-from 1500 on. Down a rough plane at the angle θ a deep layer flows with the I at which the stress ratio is tan θ.
+300 spheres of diameter 1 and mass 1, k_t = 2/7 k, under Lees–Edwards shear at constant volume, at two stiffnesses. Down
+a rough plane at the angle θ a deep layer flows with the I at which the stress ratio is tan θ.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
@@ -22,13 +23,19 @@ from hardlimit.checking import flows
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
 DENSITY: Final = 6.0 / math.pi  #: a grain has the mass 1
-N, KAPPA = 300, 1e3
+N: Final = 300
 #: Packing fraction in slow flow by μ, roughly, and how much looser the boxes are.
-SLOW: Final = {0.3: 0.602, 0.5: 0.589, 0.7: 0.583}
+SLOW: Final = {0.0: 0.64, 0.05: 0.63, 0.1: 0.62, 0.2: 0.61, 0.3: 0.602, 0.5: 0.589, 0.7: 0.583, 1.0: 0.577}
 LOOSER: Final = (0.1, 0.06, 0.035, 0.02, 0.01, 0.005)
-SLOWEST, SLOW_ONES = 0.005, ((0.3, 0.5), (0.5, 0.5))  #: the slowest flow is run once, at these μ and ε
 RATE_OF: Final = 0.3  #: fall of the packing fraction over I, roughly
-RESTITUTIONS: Final = {0.3: (0.5,), 0.5: (0.5, 0.9), 0.7: (0.5,)}
+RESTITUTIONS: Final = (0.5, 0.9)
+STIFFNESSES: Final = (1e3, 1e4)  #: stiffness numbers of flows, roughly
+#: The slowest flows that are run, by restitution and stiffness in each replica.
+SLOWEST: Final = (
+    {(0.5, 1e3): 0.005, (0.9, 1e3): 0.01, (0.5, 1e4): 0.02, (0.9, 1e4): 0.02},
+    {(0.5, 1e3): 0.01, (0.9, 1e3): 0.02},
+)
+SMOOTHER: Final = (0.0, 0.05)  #: at these μ, for which check has no number, only faster flows, once
 STRAINS, EVERY = (1.5, 5.0), 0.1
 VALUES: Final = {
     "packing_fraction": ("1", "packing fraction"),
@@ -41,17 +48,17 @@ VALUES: Final = {
 
 def points(replica: int) -> Iterator[Point]:
     for looser in LOOSER:
-        for mu, restitutions in RESTITUTIONS.items():
-            for restitution in restitutions:
-                if looser > SLOWEST or (replica == 0 and (mu, restitution) in SLOW_ONES):
-                    yield mu, restitution, looser
+        for mu in SLOW:
+            for (restitution, stiffness), slowest in SLOWEST[replica].items():
+                if looser >= (max(slowest, 0.02 + replica) if mu in SMOOTHER else slowest):
+                    yield mu, restitution, stiffness, looser
 
 
 def run(point: Point, replica: int) -> dict[str, Any]:
     """Means over the strain in steady shear; nothing if the run ended early."""
-    mu, restitution, looser = point
+    mu, restitution, stiffness, looser = point
     phi = SLOW[mu] - looser
-    rate = looser / RATE_OF * math.sqrt(1.0 / (KAPPA * DENSITY))
+    rate = looser / RATE_OF * math.sqrt(1.0 / (stiffness * DENSITY))
     start = hl.ParticleSystem.random(
         N, phi, 0.5, DENSITY, 0.0, seed=replica,
         boundary=("periodic", "lees-edwards", "periodic"), shear_rate=rate,
@@ -79,32 +86,30 @@ def run(point: Point, replica: int) -> dict[str, Any]:
 
 
 def draw(data: xr.Dataset) -> Mapping[str, Figure]:
-    """The stress ratio over I, beside that by which check judges slopes."""
-    speeds = np.geomspace(0.008, flows.FASTEST, 100)
+    """The stress ratio over I, beside that by which check judges slopes, with its band."""
+    speeds = np.geomspace(0.006, flows.FASTEST, 100)
     with style():
-        figure = Figure(figsize=(0.65 * PAGE_WIDTH, 3.2), layout="constrained")
-        axes = figure.subplots()
-        for colour, (mu, (s, t, scale)) in zip(PALETTE.values(), flows.SLOPES.items(), strict=False):
-            axes.plot(speeds, s + (t - s) / (1.0 + scale / speeds), color=colour)
-            for restitution, marker in ((0.5, "o"), (0.9, "s")):
-                rows = data.sel(friction=mu, restitution=restitution)
-                known = rows.inertial_number.notnull().values.ravel()
-                if known.any():
-                    values = [
-                        rows[name].values.ravel()[known]
-                        for name in ("inertial_number", "stress_ratio", "stress_error")
-                    ]
-                    label = f"μ = {mu:g}, ε = {restitution:g}"
+        figure = Figure(figsize=(PAGE_WIDTH, 4.2), layout="constrained")
+        panels = figure.subplots(2, 3, sharex=True, sharey=True)
+        for axes, mu in zip(panels.flat, flows.SLOPES, strict=True):
+            line = np.array([flows.stress_ratio(speed, mu) for speed in speeds])
+            error = flows.SLOPES[mu][1]
+            axes.fill_between(speeds, line - error, line + error, color="0.9")
+            axes.plot(speeds, line, color="k", lw=0.8)
+            for colour, stiffness in zip(PALETTE.values(), STIFFNESSES, strict=False):
+                for restitution, marker in zip(RESTITUTIONS, "os", strict=True):
+                    rows = data.sel(friction=mu, restitution=restitution, stiffness=stiffness)
+                    kappa = f"10^{round(math.log10(stiffness))}"
                     axes.errorbar(
-                        *values,
-                        fmt=marker,
-                        ms=3,
-                        color=colour,
-                        label=label,
+                        rows.inertial_number.values.ravel(), rows.stress_ratio.values.ravel(),
+                        rows.stress_error.values.ravel(), fmt=marker, ms=3, lw=0.8, color=colour,
                         mfc="white" if marker == "s" else None,
-                    )
-        axes.set(xscale="log", xlabel="inertial number $I$", ylabel="shear stress/pressure = tan θ")
-        axes.legend()
+                        label=rf"ε = {restitution:g}, $\kappa_p \approx {kappa}$",
+                    )  # fmt: skip
+            axes.set(xscale="log", title=f"μ = {mu:g}")
+        panels[0, 0].legend()
+        figure.supxlabel("inertial number $I$")
+        figure.supylabel("shear stress/pressure = tan θ")
     return {"dense_flow.png": figure}
 
 
@@ -114,8 +119,8 @@ def tables(data: xr.Dataset) -> str:
     rows = []
     for mu in mean.friction.values:
         for restitution in mean.restitution.values:
-            for looser in mean.looser.values[::-1]:
-                at = mean.sel(friction=mu, restitution=restitution, looser=looser)
+            for stiffness, looser in itertools.product(mean.stiffness.values, mean.looser.values[::-1]):
+                at = mean.sel(friction=mu, restitution=restitution, stiffness=stiffness, looser=looser)
                 if np.isfinite(at.inertial_number):
                     values = [
                         f"{float(at[name]):.3f}"
@@ -133,7 +138,12 @@ STUDY: Final = driver.Study(
     values=VALUES,
     draw=draw,
     tables=tables,
-    axes=lambda: {"friction": list(SLOW), "restitution": [0.5, 0.9], "looser": list(LOOSER)},
+    axes=lambda: {
+        "friction": list(SLOW),
+        "restitution": list(RESTITUTIONS),
+        "stiffness": list(STIFFNESSES),
+        "looser": list(LOOSER),
+    },
 )
 
 if __name__ == "__main__":

@@ -37,6 +37,7 @@ class Case(NamedTuple):
     rho: float  #: κ k_t/k_n
     tc_nu: float
     restitution: float = 0.9
+    damping: float = 0.0  #: γ_t/γ_n
 
 
 CASES: Final = {
@@ -52,7 +53,13 @@ TESTS: Final = {
     "inelastic": Case(0.3, 0.5, 1.0, 0.3, 0.7),
     "thin rougher": Case(0.1, 1.0, 1.0, 0.1),
 }
-ALL: Final = CASES | TESTS
+#: Heated only, with tangential damping. They were run after ``hardlimit check`` used the theory.
+DAMPED: Final = {
+    "damped": Case(0.2, 0.5, 1.0, 0.2, 0.9, 0.5),
+    "thin damped": Case(0.1, 0.3, 2.88, 0.1, 0.8, 0.5),
+    "dense damped": Case(0.4, 1.0, 1.0, 0.2, 0.9, 0.5),
+}
+ALL: Final = CASES | TESTS | DAMPED
 #: Number of particles, and collisions per particle before and in the window.
 DRIVES: Final = {"heated": (1000, 25, 120), "sheared": (500, 60, 200)}
 SAMPLES: Final = 3  #: for each collision of a particle
@@ -75,7 +82,7 @@ def points(_: int) -> Iterator[driver.Point]:
 
 
 def friction_of(case: Case) -> hl.Friction:
-    return hl.Friction(case.mu, stiffness_ratio=case.rho / KAPPA)
+    return hl.Friction(case.mu, stiffness_ratio=case.rho / KAPPA, damping_ratio=case.damping)
 
 
 def rotating(gas: theory.Gas, case: Case) -> theory.RotatingGas:
@@ -223,11 +230,14 @@ def tables(ds: xr.Dataset) -> str:
             )[0],
             "{:.1f}±{:.1f}".format(*(100.0 * value for value in heated(ds, name))),
             f"{100.0 * smooth(ds, name)['heated: temperature']:.1f}",
-            ratios(ds, "heated", name),
+            pair(ds.temperature, "heated", name),
+            f"{predicted_ratio(ALL[name]):.3f}",
+            pair(ds.temperature_ratio, "heated", name),
         )
         for name in ALL
     ]
-    text = driver.table("φ | μ | ρ | t_c ν | ε | temperature | law | smooth | θ: hard, Newton", rows)
+    heads = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n | temperature | law | smooth | T/T₀: hard, Newton | θ₀ | θ: hard, Newton"
+    text = driver.table(heads, rows)
     rows = []
     for name in CASES:
         measured, without = errors(ds, name), smooth(ds, name)
@@ -236,15 +246,20 @@ def tables(ds: xr.Dataset) -> str:
             for key in measured
             if key != "heated: temperature"
         ]
-        rows.append((*ALL[name][:4], *cells, ratios(ds, "sheared", name)))
+        rows.append((*ALL[name][:4], *cells, pair(ds.temperature_ratio, "sheared", name)))
     head = " | ".join(key for key in errors(ds, "dense") if key != "heated: temperature")
     return f"{text}\n\n{driver.table(f'φ | μ | ρ | t_c ν | {head} | θ: hard, Newton', rows)}"
 
 
-def ratios(ds: xr.Dataset, drive: str, case: str) -> str:
-    """θ of hard spheres and under Newton's equations."""
-    values = (ds.temperature_ratio.sel(drive=drive, case=case, model=model) for model in ("law", "newton"))
-    return ", ".join(f"{float(value.mean()):.3f}" for value in values)
+def pair(values: xr.DataArray, drive: str, case: str) -> str:
+    """The means of hard spheres and under Newton's equations."""
+    of_models = (values.sel(drive=drive, case=case, model=model) for model in ("law", "newton"))
+    return ", ".join(f"{float(value.mean()):.3f}" for value in of_models)
+
+
+def predicted_ratio(case: Case) -> float:
+    """θ of the heated gas by kinetic theory."""
+    return rotating(theory.Gas(1, RADIUS, 1.0, 1.0, 3), case).heated_temperature_ratio()
 
 
 def draw(ds: xr.Dataset) -> Mapping[str, Figure]:

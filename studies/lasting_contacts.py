@@ -22,13 +22,15 @@ import hardlimit as hl
 from hardlimit.checking import at_rest
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
+FRICTIONS: Final = (0.1, 0.3, 0.5, 0.7, 1.0)
 RESTITUTIONS: Final = (0.5, 0.7, 0.9, 0.98)
 STIFFNESSES: Final = (1e3, 1e4, 1e5)  #: stiffness numbers, roughly
 LOOSER: Final = (0.2, 0.1, 0.06, 0.035, 0.02, 0.01)
 #: Other friction is measured at these: stiffness and restitutions.
 OTHERS: Final = (1e4, (0.5, 0.9))
 HARD: Final = 0.0  #: stands for the stiffness of hard spheres
-SLOWEST_HARD: Final = 0.02  #: in slower flows hard spheres collide too often to be run
+#: In slower flows hard spheres collide too often to be run; and at these frictions only soft ones are.
+SLOWEST_HARD, SOFT_ONLY = 0.02, (0.1, 1.0)
 STRAINS: Final = (1.5, 1.5)
 ROWS: Final = 30  #: samples
 VALUES: Final = {
@@ -43,12 +45,13 @@ VALUES: Final = {
 
 
 def points(_: int) -> Iterator[Point]:
-    for mu in SLOW:
+    for mu in FRICTIONS:
         for restitution in RESTITUTIONS:
             for stiffness in (HARD, *STIFFNESSES):
                 usual = mu == 0.5 or (stiffness in (HARD, OTHERS[0]) and restitution in OTHERS[1])
                 for looser in LOOSER:
-                    if usual and (stiffness != HARD or looser >= SLOWEST_HARD):
+                    runs = stiffness != HARD or (looser >= SLOWEST_HARD and mu not in SOFT_ONLY)
+                    if usual and runs:
                         yield mu, restitution, stiffness, looser
 
 
@@ -104,7 +107,7 @@ def draw(data: xr.Dataset) -> Mapping[str, Figure]:
                 rows = data.sel(friction=0.5, restitution=restitution, stiffness=stiffness).mean("replica")
                 axes.plot(rows.inertial_number, rows.duration, "o-", ms=3, lw=0.6, color=colour,
                           label=f"ε = {restitution:g}")  # fmt: skip
-                border = at_rest.collisional_from(restitution, float(rows.kappa.median()))
+                border = at_rest.collisional_from(restitution, float(rows.kappa.median()), 0.5)
                 axes.axvline(border, color=colour, ls=":", lw=0.8)
             axes.axhline(at_rest.SEPARATED_FROM, color="k", lw=0.6)
             axes.set(xscale="log", yscale="log", xlabel="inertial number $I$")
@@ -151,7 +154,7 @@ STUDY: Final = driver.Study(
     draw=draw,
     tables=tables,
     axes=lambda: {
-        "friction": list(SLOW),
+        "friction": list(FRICTIONS),
         "restitution": list(RESTITUTIONS),
         "stiffness": [HARD, *STIFFNESSES],
         "looser": list(LOOSER),

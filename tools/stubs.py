@@ -72,7 +72,8 @@ def package_stub() -> str:
             later = ast.literal_eval(node.value)
             lines += [f"from .{module} import {name} as {name}" for module in later for name in later[module]]
         elif isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_MODULES":
-            lines += [f"from . import {name} as {name}" for name in ast.literal_eval(node.value)]
+            modules = ast.literal_eval(node.value)
+            lines += [f"from .{modules[name].rstrip('.')} import {name} as {name}" for name in modules]
         elif isinstance(node, ast.AnnAssign):
             lines.append(f"{ast.unparse(node.target)}: {ast.unparse(node.annotation)}")
     return "\n".join(dict.fromkeys(lines)) + "\n"

@@ -64,8 +64,8 @@ _LATER = {
     "checking.result": ("Verdict",),
 }
 
-#: Modules that are imported at first use.
-_MODULES = ("measure",)
+#: Modules that are imported at first use, by the packages that they belong to.
+_MODULES = {"measure": "", "theory": "boxes."}
 
 __all__ = [
     "FLOOR",
@@ -99,7 +99,7 @@ del _laws
 
 def __getattr__(name: str) -> object:
     if name in _MODULES:
-        return import_module(f".{name}", __name__)
+        return import_module(f".{_MODULES[name]}{name}", __name__)
     for module, names in _LATER.items():
         if name in names:
             globals()[name] = attribute = getattr(import_module(f".{module}", __name__), name)

@@ -59,7 +59,7 @@ SOLVES = {
     "general": "hl.newton(elastic, until=2e4, method='general')",
     "independent": "hl.independent(tall, until=4e4)",
     "trajectory": "result.trajectory(times)",
-    "restitution": "soft.restitution(times[::10])",
+    "restitution": "soft.restitution(times[::3])",
 }
 
 

@@ -429,10 +429,11 @@ def test_kicks_with_spins() -> None:
         assert total_energy(run.observe()) == pytest.approx(energy, rel=1e-9)
 
 
-def test_without_friction_nothing_changes() -> None:
-    """μ = 0 gives the bits of smooth grains."""
+@pytest.mark.parametrize("friction", [hl.Friction(0.0), hl.Friction(0.0, limit="spring", damping_ratio=0.5)])
+def test_without_friction_nothing_changes(friction: hl.Friction) -> None:
+    """μ = 0 gives the bits of smooth grains, also with forces that are refused where they act."""
     system = gas()
-    smooth = by_events(system, linear(hl.Friction(0.0), 0.9, 2e3), 2e-3).system
+    smooth = by_events(system, linear(friction, 0.9, 2e3), 2e-3).system
     plain = by_events(system, hl.LinearDashpot(stiffness=2e3, restitution=0.9), 2e-3).system
     assert (smooth.velocities == plain.velocities).all()
 

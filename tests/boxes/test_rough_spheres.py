@@ -209,6 +209,13 @@ def test_smooth_limit(box: str, rule: str) -> None:
             assert np.array_equal(smooth.series[name], rough.series[name])
 
 
+@pytest.mark.parametrize("mu", [-1.0, math.nan, "a"])
+def test_bad_friction_does_not_say_that_it_must_be_finite(mu: Any) -> None:
+    """Rough spheres have an infinite one."""
+    with pytest.raises(ValueError, match=r"friction: got .*, must be (a number )?>= 0$"):
+        hl.event_driven(start(), restitution=0.9, friction=mu, tangential_restitution=0.5, max_collisions=1)
+
+
 @pytest.mark.parametrize("rule", ["linear law", "viscoelastic law", "soft"])
 def test_small_friction(rule: str) -> None:
     """A law with μ = 1e-14 collides as without friction."""

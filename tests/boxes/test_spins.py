@@ -193,7 +193,9 @@ def test_a_study_of_smooth_grains_ignores_spins() -> None:
     assert plain.replicas.equals(spinning.replicas)
     kicks = hl.RandomKicks(1e-6, 1e-4, rotational=1e-6)
     message = refusal(lambda: hl.fidelity(gas(16, 2, thermostat=kicks), **options))
-    assert message.startswith("thermostat: got rotational=1e-06, must be without in a run without friction")
+    assert message.startswith(
+        "rotational: got 1e-06, must be left out of the thermostat in a run without friction"
+    )
 
 
 def test_a_fall_does_not_change_spins() -> None:

@@ -385,7 +385,7 @@ def test_events_and_steps_get_the_same_kicks_on_spins(thermostat: Any) -> None:
 def test_rotational_kicks_without_friction_are_refused(name: str) -> None:
     system = gas(10, SPINNING, packing_fraction=0.01, rms_spin=1.0)
     assert refusal(lambda: solved(name, system, 0.01)).startswith(
-        "thermostat: got rotational=0.002, must be without"
+        "rotational: got 0.002, must be left out of the thermostat"
     )
 
 

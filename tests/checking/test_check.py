@@ -834,6 +834,7 @@ CONTACT = {
     "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
     "other_versions": list, "smooth_error": MAYBE, "extrapolated": str,
     "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": dict, "frictionless_error": MAYBE,
+    "temperature_ratio": MAYBE,
 }  # fmt: skip
 FRICTION = {
     "coefficient": MAYBE, "model": str | None, "stiffness_ratio": MAYBE, "damping_ratio": MAYBE, "limit": str | None,
@@ -1299,7 +1300,9 @@ def with_friction(code: str, mu: float, wall: float, stiffness: float, restituti
 def test_with_friction_an_answer_has_its_number_or_cannot_be_said(
     code, mu, wall, stiffness, restitution, options, drive
 ):
-    """The error of the cooling is known with a tangential spring; that of walls that rub is not in the law."""
+    """The error of the cooling is known with a tangential spring, that of a heated gas with linear springs; that of
+    walls that rub is not in the law.
+    """
     options = {name: value for name, value in options.items() if not drive or name != "speed"}
     text = with_friction(code, mu, wall, stiffness, restitution)
     verdict = hl.check(text, **options, **drive)
@@ -1311,13 +1314,15 @@ def test_with_friction_an_answer_has_its_number_or_cannot_be_said(
     if any(row.friction.coefficient for row in walls):
         assert verdict.admissible is not True
     if mu > 0.0 and any(row.error for row in pairs):
-        assert code != "plain" and not drive and all(row.rule == "law" for row in pairs)
+        assert code != "plain" and "shear_rate" not in drive and all(row.rule == "law" for row in pairs)
         assert 0.5 <= 3.5 * pairs[0].friction.stiffness_ratio <= 7.0 and mu < 5.0
         value, bar = pairs[0].error["law"]
+        if drive:
+            value, bar = pairs[0].heated_error, pairs[0].heated_error_bar
         if pairs[0].tc_nu <= 0.3 and not verdict.missing and len(pairs) == 1:
             assert "same friction" in verdict.sentence or "walls rub" in verdict.sentence
             assert verdict.admissible is not (abs(value) + bar > 0.01)
-        assert bar > 0.0 and pairs[0].smooth_error < 0.0
+        assert bar > 0.0 and pairs[0].smooth_error * (1.0 if drive else -1.0) > 0.0
     elif mu > 0.0:
         last = [cells([row], False, verdict.quantity)[-1] for row in verdict.rows]
         assert "±" not in "".join([verdict.sentence, *last]) and "1 % takes" not in verdict.sentence
@@ -1492,6 +1497,17 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
         f"region r block 0 1 0 1 0 1 move {' '.join('v_s' if name == axis else 'NULL' for name in 'xyz')}",
         WALL.replace("zplane 0 1", "region r"),
     ),
+    "formula": lambda axis, size, time: script(
+        CLIPPED, FALL, f"variable s equal 0.01-{size}*cos(2*PI*(step+7)*dt/{time})",
+        f"region r block 0 1 0 1 0 1 move {' '.join('v_s' if name == axis else 'NULL' for name in 'xyz')}",
+        WALL.replace("zplane 0 1", "region r"),
+    ),
+    "some grains": lambda axis, size, time: script(
+        CLIPPED, FALL, "region b block INF INF INF INF INF 0.01", "group low region b", "group high subtract all low",
+        f"variable s equal {size}*sin(2*PI*time/{time})", "variable v equal 0",
+        "fix mv low move variable " + " ".join("v_s" if name == axis else "NULL" for name in "xyz")
+        + " " + " ".join("v_v" if name == axis else "NULL" for name in "xyz"),
+    ).replace("fix move all", "fix move high"),
     "grains": lambda axis, size, time: script(CLIPPED, FALL, "group low type 2", "fix mv low move wiggle "
         + " ".join(str(size) if name == axis else "0" for name in "xyz") + f" {time}",
     ).replace("create_box 1", "create_box 2").replace("set type 1 ", "create_atoms 2 random 9 3 box\nset type 1*2 ")
@@ -1507,6 +1523,34 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
         f"{WALL.replace('1e5', '1e8')} wiggle {axis} {1e2 * size} {time}",
         units="cgs", grains="set type 1 diameter 0.2 density 2.5"),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        *(
+            "1e-3*sin(100*time)^2",
+            "1e-3*abs(sin(100*time))",
+            "1e-3*time*sin(100*time)",
+            "1e-3*sin(100*time)+0.1*time",
+        ),
+        *(
+            "1e-3*sin(time*time)",
+            "1e-3*sin(1)*time",
+            "1e-3*sin(100*time",
+            "v_none*sin(100*time)",
+            "1e-3*sin(1)",
+        ),
+        *("1e-3*sin(100*time)+1e-3*sin(200*time)", "1e-3*sin(100*time)*cos(100*time)", "vdisplace(0,0.1)"),
+    ],
+)
+def test_other_formulas_are_no_oscillation(formula):
+    """A floor that moves, but neither its Γ nor that grains rest on it is said."""
+    text = SHAKEN["formula"]("z", 1e-3, 0.02)
+    shaken = hl.check(re.sub("variable s equal .*", f"variable s equal {formula}", text), **QUIET)
+    assert shaken.stages[-1].shaking is None
+    moves = "time" in formula or "vdisplace" in formula
+    assert shaken.admissible is (None if moves else False) and ("walls drive" in shaken.sentence) is moves
 
 
 @pytest.mark.parametrize("kind", SHAKEN)
@@ -1653,12 +1697,21 @@ def test_no_theory_has_shear_and_a_thermostat():
 @pytest.mark.parametrize(
     "bath", [hl.RandomKicks(1e-6, 1e-4, rotational=1e-6), hl.Andersen(0.1, 1.0, rotational=0.1)]
 )
-def test_no_theory_has_a_thermostat_of_spins(bath):
-    box = hl.ParticleSystem.random(60, 0.2, 1e-3, 2500.0, 0.3, thermostat=bath)
-    verdict = hl.check(box, law=hl.LinearDashpot(stiffness=1e5, restitution=0.9))
-    assert verdict.admissible is None and verdict.remarks[-1].endswith(
-        "kinetic theory has no thermostat of spins."
+def test_spins_of_smooth_grains_heat_nothing(bath):
+    law, box = (
+        hl.LinearDashpot(stiffness=1e5, restitution=0.9),
+        hl.ParticleSystem.random(60, 0.2, 1e-3, 2500.0, 0.3),
     )
+    turning, other = (
+        hl.check(box.replace(thermostat=t), law=law) for t in (bath, replace(bath, rotational=None))
+    )
+    assert turning.rows[0].speed == pytest.approx(other.rows[0].speed, rel=1e-9)
+    assert (
+        turning.rows[0].heated_error == pytest.approx(other.rows[0].heated_error)
+        and turning.admissible is True
+    )
+    alone = hl.check(box.replace(thermostat=hl.RandomKicks(0.0, 1e-4, rotational=1e-6)), law=law)
+    assert alone.admissible is None and alone.remarks[-1].endswith("without friction move nothing.")
 
 
 @pytest.mark.parametrize(("phi", "e"), [(0.1, 0.9), (0.3, 0.7)])
@@ -1804,13 +1857,3 @@ def test_the_softest_stiffness_of_a_driven_gas_is_admissible(stiffness, restitut
     row = found(stiffness).rows[0]
     assert found(1.001 * row.spring[2]).admissible is True
     assert found(0.97 * row.spring[2]).admissible is not True
-
-
-def test_the_speed_of_driven_grains_with_friction_is_that_of_smooth_ones():
-    text = with_friction("linear", 0.3, 0.3, 1e5, 0.9)
-    verdict = hl.check(text, packing_fraction=0.2, power=1e-7)
-    assert (
-        verdict.admissible is None
-        and "the error of the temperature is known only without friction" in verdict.sentence
-    )
-    assert "(of grains without friction)" in verdict.sentence

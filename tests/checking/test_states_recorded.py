@@ -121,8 +121,7 @@ def test_a_dense_cell_is_sheared_in_yade_as_check_says():
     said = verdict.state
     assert verdict.admissible is False and said.regime == "dense" and said.overlap_of == "all contacts"
     assert said.inertial_number == pytest.approx(row["inertial_number"], rel=1e-3)
-    s, t, scale = flows.SLOPES[0.5]
-    ratio = s + (t - s) / (1.0 + scale / said.inertial_number)
+    ratio = flows.rest_ratio(0.5) + flows.RISE / (1.0 + flows.SCALE / said.inertial_number)
     assert row["stress_ratio"] == pytest.approx(ratio, abs=0.03)
     assert 1.0 < row["overlap"] / said.overlap < 1.2
     assert 0.9 < row["largest_stable_step"] / said.largest_stable_step < 1.25

@@ -659,6 +659,14 @@ def test_a_gas_is_heated(tmp_path: Path) -> None:
     box = lattice(27, seed=1).write(tmp_path / "box.xyz")
     assert printed("gas", box, "--heat", 1e-6, *FAST)["series"]["heat"][-1] != 0.0
     assert "--heat: got -1" in refused("gas", "--n", 10, "--heat", -1)
+    assert "--heat-spins: got 1" in refused("gas", "--n", 10, "--heat-spins", 1)
+    rubbing = ("gas", "--n", 30, "--friction", 0.5, "--tangential-restitution", 0.3, "--until", "5ms")
+    spinning = printed(*rubbing, "--heat-spins", "1mW")
+    assert (spinning["system"]["thermostat"]["power"], spinning["system"]["thermostat"]["rotational"]) == (
+        0.0,
+        1e-3,
+    )
+    assert spinning["series"]["rotational_temperature"][-1] > 0.0 < spinning["series"]["heat"][-1]
 
 
 def test_a_box_is_sheared(tmp_path: Path) -> None:

@@ -65,7 +65,16 @@ def test_a_small_grid_from_runs_to_figures(study, tmp_path, monkeypatch, capsys)
 
 
 @pytest.mark.parametrize(
-    "name", ["heated_gas", "sheared_gas", "driven_friction", "flow_map", "shaken_column"]
+    "name",
+    [
+        "heated_gas",
+        "sheared_gas",
+        "driven_friction",
+        "flow_map",
+        "shaken_column",
+        "dense_flow",
+        "lasting_contacts",
+    ],
 )
 def test_a_run_is_collected_at_its_point(name: str, study, tmp_path, monkeypatch) -> None:
     """Each run gives its number; one that holds for all levels of an axis stands at each of them."""
@@ -142,6 +151,31 @@ def test_packings_from_runs_to_values(study, monkeypatch) -> None:
         )
 
 
+def test_the_layer_of_a_drum_is_found(study) -> None:
+    """Of made-up grains: a surface at 30° over a layer of four diameters in which the velocity falls to zero."""
+    script, random = study("drums"), np.random.default_rng(8)
+    drum = script.DRUMS[1]
+    bottom, rate, angle = 4.0, 0.3, np.radians(30.0)
+    across = random.uniform(-drum.radius, drum.radius, (40, 3000, 2))
+    top = np.sqrt(drum.radius**2 - drum.half_surface**2)
+    places = across[(drum.radius > np.hypot(*across.T).T) & (across[..., 1] < -top)]
+    number = int(drum.filling * np.pi * drum.radius**2 * script.WIDTH * script.BULK * script.DENSITY)
+    places = places[: 40 * number].reshape(40, number, 2)
+    depth = -top - places[..., 1]
+    speed = np.where(depth < bottom, rate * (bottom - depth), -0.1)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    states = np.zeros((40, number, 6))
+    states[..., :2], states[..., 3:5] = places @ turn, speed[..., None] * turn[0]
+    layer = script.layer(drum, states)
+    pressure = 0.5 * bottom * script.BULK * script.DENSITY * np.cos(angle)
+    assert layer["angle"] == pytest.approx(30.0, abs=0.5)
+    assert layer["depth"] == pytest.approx(bottom, abs=0.3)
+    assert layer["shear_rate"] == pytest.approx(rate, rel=0.05)
+    assert layer["inertial_number"] == pytest.approx(rate * np.sqrt(script.DENSITY / pressure), rel=0.08)
+    carried = 0.5 * drum.rate * drum.half_surface**2
+    assert layer["flux"] == pytest.approx(0.5 * rate * bottom**2 / carried, rel=0.1)
+
+
 @pytest.mark.parametrize(
     ("name", "power", "used"),
     [("packing_fraction", 1.0, at_rest.DENSER), ("coordination", 0.5, at_rest.MORE_CONTACTS)],
@@ -196,7 +230,17 @@ def test_a_cell_is_pressed_to_the_pressures_of_its_levels(study, monkeypatch) ->
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    ["heated_gas", "sheared_gas", "flow_map", "shaken_column", "packings", "pressed_cells", "mixtures"],
+    [
+        "heated_gas",
+        "sheared_gas",
+        "flow_map",
+        "shaken_column",
+        "packings",
+        "pressed_cells",
+        "mixtures",
+        "dense_flow",
+        "lasting_contacts",
+    ],
 )
 def test_the_figure_is_drawn_from_the_data(name: str, study) -> None:
     script = study(name)

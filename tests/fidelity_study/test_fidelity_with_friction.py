@@ -73,6 +73,23 @@ def test_elastic_grains_that_rub_may_be_sheared() -> None:
     hl.fidelity(system, law=elastic.replace(friction=hl.Friction(0.5)), **options)
 
 
+def test_a_coefficient_of_zero_is_no_friction() -> None:
+    """The rules constant and tc need no β0 then, and all results are those of smooth grains."""
+    options = {"until": 2e-3, "models": ["newton", "constant", "tc", "law"], "samples": 2}
+    smooth = LAW.replace(friction=None)
+    zero = hl.fidelity(box(), law=smooth.replace(friction=hl.Friction(0.0)), **options)
+    assert zero.plan.tangential_restitution is None
+    assert zero.dataset.equals(hl.fidelity(box(), law=smooth, **options).dataset)
+
+
+def test_grains_that_gain_have_no_constant_rule() -> None:
+    """Mindlin's springs without rescaling may gain, so that a gas would have β0 > 1."""
+    friction = hl.Friction(1.0, model="mindlin", stiffness_ratio=0.24)
+    law = hl.Tsuji(youngs_modulus=1e9, poisson_ratio=0.3, restitution=1.0, friction=friction)
+    options = {"until": 1e-4, "models": ["newton", "constant"], "samples": 1}
+    assert "no constant one stands" in refusal(lambda: hl.fidelity(box(), law=law, **options))
+
+
 def test_a_saved_comparison_keeps_spins(tmp_path: Path) -> None:
     comparison = hl.fidelity(box(), law=LAW, until=1e-4, models=["newton", "law"], samples=1)
     loaded = hl.load(comparison.save(tmp_path / "found.nc"))

@@ -61,6 +61,7 @@ def test_percentages() -> None:
 
 def test_prefixes_and_lists() -> None:
     assert [quantity(x, "m") for x in (0.0, 1e-4, -2.5e3, 1e-12)] == ["0 m", "100 µm", "−2.5 km", "1e-12 m"]
+    assert [quantity(x, "s", 2) for x in (7.46e-4, 9.96e-4, 0.0124)] == ["750 µs", "1000 µs", "12 ms"]
     assert [size(x) for x in (999, 999.9999999, 4.2e9, 3e15)] == ["999 B", "1 kB", "4.2 GB", "3 PB"]
     assert [rate(x, "points") for x in (0.25, 1.2e6)] == ["0.25 points/s", "1.2 Mpoints/s"]
     assert [digits(x, 3) for x in (-1e-5, 1e20, math.nan)] == ["−1e-5", "1e20", "–"]

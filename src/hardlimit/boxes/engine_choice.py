@@ -157,7 +157,9 @@ def check_friction(law: Law) -> None:
     ValueError
     """
     friction = law.friction
-    if friction is None or friction.model == "none" or not (friction.damping_ratio or friction.damping):
+    if friction is None or friction.coefficient == 0.0 or friction.model == "none":
+        return
+    if not (friction.damping_ratio or friction.damping):
         return
     if friction.limit == "spring" and friction.coefficient < math.inf:
         raise ValueError(

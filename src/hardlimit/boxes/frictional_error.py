@@ -27,6 +27,7 @@ from ..contact.contact import Contact, Law
 from ..contact.friction import LIMITS, SPRING, Friction, FrictionTerms
 from ..contact.laws import LinearDashpot, Tsuji, Viscoelastic
 from ..support import validation
+from ..support.formatting import listed
 from .box import Floats
 from .theory import Gas, RotatingGas
 
@@ -82,7 +83,17 @@ MEASURED: Final = MappingProxyType(
         "ε": (0.7, 0.99),
     }
 )
-#: Relative distance from these ranges that counts as none.
+#: The same for heated gases, by studies/driven_friction.py. For μ → 0 the law is that of smooth grains.
+MEASURED_HEATED: Final = MappingProxyType(
+    {
+        "μ": (0.0, 1.0),
+        "(m_n/m_t) k_t/k_n": (1.0, 2.88),
+        "γ_t/γ_n": (0.0, 0.5),
+        "ε": (0.7, 0.9),
+        "φ": (0.1, 0.5),
+    }
+)
+#: Relative distance from these ranges that counts as none; of ε, in 1 − ε.
 NEAR: Final = 0.02
 ANGLES: Final = 1000  #: angles of impact in a table of β, which changes a by less than 1e-8
 #: Factors by which values may be outside these ranges; beyond, nothing is known.
@@ -129,7 +140,7 @@ class Setting(NamedTuple):
         """Which values are outside the range of the measurements, in words."""
         ranges = [
             f"{name} = {value:.3g} is outside the measured range {low:g} to {high:g}"
-            for name, value, low, high in self._beyond()
+            for name, value, low, high in _beyond(self.values(), MEASURED)
         ]
         hertz = ["Hertz' laws with friction were measured at three points only"] * (self.powers != LINEAR)
         return " and ".join(hertz + ranges)
@@ -137,24 +148,40 @@ class Setting(NamedTuple):
     def distance(self) -> float:
         """How far outside, for the error bar: 0 inside, 2 where a value is twice as large, 1 for Hertz' laws."""
         far = sum(
-            abs(math.log2(value / min(max(value, low), high))) for _, value, low, high in self._beyond()
+            abs(math.log2(value / min(max(value, low), high)))
+            for _, value, low, high in _beyond(self.values(), MEASURED)
         )
         return 2.0 * far + (self.powers != LINEAR)
 
-    def _beyond(self) -> list[tuple[str, float, float, float]]:
-        """Names and values outside the measured range, and its ends."""
-        return [
-            (name, value, low, high)
-            for name, value in self.values().items()
-            for low, high in [MEASURED[name]]
-            if not low * (1.0 - NEAR) <= value <= high * (1.0 + NEAR)
-        ]
+    def outside_heated(self, phi: float) -> str:
+        """As :meth:`outside`, of the measurements of heated gases."""
+        outside = _beyond({**self.values(), "φ": phi}, MEASURED_HEATED)
+        if not outside:
+            return ""
+        ranges = listed([f"{low:g} ≤ {name} ≤ {high:g}" for name, _, low, high in outside])
+        return (
+            f"heated gases were measured at {ranges}, not at {listed([f'{row[1]:.3g}' for row in outside])}"
+        )
 
     def contact(self) -> Contact:
         """Two equal grains with a stiffness or a modulus of 1; ε at the mean impact speed."""
         law = LAWS[self.powers](restitution=self.restitution, friction=self.friction)
         ball = Ball(1.0, mass=2.0, inertia_factor=self.inertia_factor)
         return law.between(ball, ball)
+
+
+def _beyond(
+    values: Mapping[str, float], measured: Mapping[str, tuple[float, float]]
+) -> list[tuple[str, float, float, float]]:
+    """Names and values outside the measured range, and its ends."""
+
+    def inside(name: str, value: float, low: float, high: float) -> bool:
+        if name == "ε":
+            value, low, high = 1.0 - value, 1.0 - high, 1.0 - low
+        return low * (1.0 - NEAR) <= value <= high * (1.0 + NEAR)
+
+    ends = ((name, value, *measured[name]) for name, value in values.items())
+    return [beyond for beyond in ends if not inside(*beyond)]
 
 
 def friction_of(law: Law | None, friction: Friction | None) -> Friction | None:
@@ -513,7 +540,7 @@ def terms(setting: Setting, q: float, c: float, delayed: float) -> CoefficientTe
 
     epsilon = float(contact.restitution(IMPACT_SPEED))
     offset, beta = math.nan, contact.effective_tangential_restitution(IMPACT_SPEED, dimension=dimension)
-    if not math.isnan(beta):
+    if beta <= 1.0:  # not NaN, nor that of contacts that gain energy
         rule = Balance(gas.rotating(epsilon, setting.friction.coefficient, beta), exponent)
         offset = hard.duration / rule.through(theta, energies, 0.0, HARD).duration - 1.0
     return CoefficientTerms(

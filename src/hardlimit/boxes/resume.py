@@ -30,7 +30,7 @@ def resume(
         The checkpoint.
     until : float [s], optional
         New end of the run. Without ``until`` and ``max_collisions``, the end is that of the checkpoint. The interval
-        between samples is unchanged.
+        between samples is unchanged: bits are those of a run to the new end with samples at the same times.
     max_collisions : int, optional
         New limit on the number of collisions, counted from the start of the run. For hard spheres only.
     observe : callable, optional

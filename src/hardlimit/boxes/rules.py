@@ -193,7 +193,7 @@ def _checked_friction(
     limits = {"lowest_allowed": True, "highest_allowed": True}
     coefficient = math.inf
     if not (isinstance(friction, float) and friction == math.inf):
-        coefficient = validation.number("friction", friction, 0.0, lowest_allowed=True)
+        coefficient = validation.number("friction", friction, 0.0, lowest_allowed=True, highest_allowed=True)
     return coefficient, validation.number(
         "tangential_restitution", tangential_restitution, -1.0, 1.0, **limits
     )

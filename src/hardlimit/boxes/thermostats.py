@@ -286,8 +286,8 @@ def refuse_rotational(thermostat: Any) -> None:
     """Refuse a thermostat that acts on the spins of grains without friction."""
     if thermostat is not None and thermostat.rotational is not None:
         raise ValueError(
-            f"thermostat: got rotational={thermostat.rotational:g}, must be without in a run without friction, where "
-            "spins never act on velocities"
+            f"rotational: got {thermostat.rotational:g}, must be left out of the thermostat in a run without friction, "
+            "where spins never act on velocities"
         )
 
 

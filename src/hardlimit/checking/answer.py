@@ -52,6 +52,7 @@ class Question:
     driven: str = ""  #: what drives the box so that no law of the error holds, in words
     option: str = ""  #: of ``hardlimit gas compare``, which drives a box in the same way
     purpose: Drive | None = None  #: what the box is run for, if not to cool
+    heats_spins: bool = False  #: whether a thermostat acts on spins, too
 
 
 def answer(
@@ -69,7 +70,7 @@ def answer(
     pairs = [row for row in rows if row.types[1] != "wall"]
     known = [row for row in pairs if judged(row, question) is not None and "speeds" not in missing]
     if wrong := _too_wrong(pairs, known, missing, question):
-        return False, f"No: {wrong}.{_with_friction(known)}"
+        return False, f"No: {wrong}.{_with_friction(known, question)}"
     if unknown:
         return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
     rubbing = [row for row in pairs if row.friction.coefficient != 0.0]
@@ -83,12 +84,12 @@ def answer(
         return (
             None,
             f"Cannot be said: {_off(worst, question)}, and {percent(ACCEPTED)} is within the error bar."
-            f"{_with_friction(known)}",
+            f"{_with_friction(known, question)}",
         )
     small = f"{_off(worst, question)}, less than {percent(ACCEPTED)}"
     if any(row.friction.coefficient != 0.0 and row.types[1] == "wall" for row in rows):
         return None, f"Cannot be said: {small}, but walls rub, which the law of the error leaves out."
-    return True, f"Yes: {small}; {_may(worst)}.{_with_friction(known)}"
+    return True, f"Yes: {small}; {_may(worst)}.{_with_friction(known, question)}"
 
 
 def judged(row: CheckedContact, question: Question) -> tuple[float, float] | None:
@@ -144,40 +145,52 @@ def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
     """That grains rub, and the error that they would have without friction."""
     pairs = listed(list(dict.fromkeys("–".join(row.types) for row in rows)))
     error = ERROR_OF[question.quantity]
-    known = (
-        "not known with this friction" if question.quantity == "cooling" else "known only without friction"
-    )
-    text = f"grains {pairs} rub ({_friction(rows)}), and {error} is {known}"
+    text = f"grains {pairs} rub ({_friction(rows)}), and {error} is {_known_only(question)}"
     smooth = [row for row in rows if row.frictionless_error is not None]
     if not smooth:
         return text
     worst = max(smooth, key=lambda row: abs(row.frictionless_error or 0.0))
     value = worst.frictionless_error or 0.0
     way = WAYS[question.quantity][value < 0.0]
-    without = "; without it, it" if question.quantity == "cooling" else ", where it"
+    without = {"cooling": "; without it, it", "temperature": "; without friction, it"}.get(
+        question.quantity, ", where it"
+    )
     return f"{text}{without} is about {percent(abs(value))} ({way}) at {_numbers(worst)}"
 
 
-def _with_friction(known: Sequence[CheckedContact]) -> str:
+def _known_only(question: Question) -> str:
+    """For which friction the error is known."""
+    if question.quantity == "stress":
+        return "known only without friction"
+    if question.heats_spins:
+        return "known only where no thermostat acts on spins"
+    of_heated = " (it is for spheres of one μ with linear springs, normal and tangential)"
+    return f"not known with this friction{of_heated * (question.quantity == 'temperature')}"
+
+
+def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:
     """Which friction event-driven grains must have, and what leaving it out would do; empty for smooth ones."""
-    rubbing = [row for row in known if row.smooth_error is not None]
+    rubbing = [row for row in known if row.friction.coefficient != 0.0]
     if not rubbing:
         return ""
     row = max(rubbing, key=lambda row: abs(row.smooth_error or 0.0))
-    value, beta = row.smooth_error or 0.0, row.friction.effective_tangential_restitution
+    value, beta = row.smooth_error, row.friction.effective_tangential_restitution
     constant = ""
-    if beta is not None and {"constant", "law"} <= set(row.error):
+    cools = question.quantity == "cooling"
+    if cools and beta is not None and {"constant", "law"} <= set(row.error):
         added = row.error["constant"][0] - row.error["law"][0]
         constant = (
             f" or constant with μ {digits(row.friction.coefficient or 0.0, 3)} and β0 {digits(beta, 2)}"
         )
         constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
-    way = WAYS["cooling"][value < 0.0]
-    without = f"without, it cools about {percent(abs(value))} {way}"
+    without = ""
+    if value is not None:
+        way = WAYS[question.quantity][value < 0.0]
+        without = f"; without, it {'cools' if cools else 'is'} about {percent(abs(value))} {way}"
     beyond = next(
         (f" Less is known of these grains: {row.extrapolated}." for row in known if row.extrapolated), ""
     )
-    return f" Event-driven must have the same friction (rule law{constant}); {without}.{beyond}"
+    return f" Event-driven must have the same friction (rule law{constant}){without}.{beyond}"
 
 
 def _not_known(missing: Sequence[str], question: Question) -> str:
@@ -202,7 +215,10 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> 
     shown = digits(speed, 2) if plain else f"{digits(speed, 2)} m/s"
     text = f" Impacts at {shown} are those of the steady state under {drive.words(plain)}"
     theory = ["kinetic theory"] * (drive.shear_rate is not None)
-    theory += ["of grains without friction"] * any(row.friction.coefficient != 0.0 for row in pairs)
+    if worst.temperature_ratio is not None:
+        theory = [f"kinetic theory with friction, T_r/T = {digits(worst.temperature_ratio, 2)}"]
+    elif any(row.friction.coefficient != 0.0 for row in pairs):
+        theory.append("of grains without friction")
     return f"{text} ({' '.join(theory)})." if theory else f"{text}."
 
 

@@ -35,6 +35,8 @@ QUASI_STATIC: Final = 1e-3
 #: sheared by our own steps (studies/lasting_contacts.nc), κ_p from 1500 on. Stiffer grains separate in slower flow.
 SEPARATING: Final = (0.09, 0.92, 0.2)
 SEPARATED_FROM: Final = 2.0
+#: This I over that of μ from 0.3 to 0.7, for grains of other friction.
+FRICTION_SHARE: Final = {0.1: 0.8, 0.3: 1.0, 0.7: 1.0, 1.0: 0.6}
 LEAST_RESTITUTION, SOFTEST_FLOW = 0.5, 1.5e3
 #: κ_p of flows of which it is not known: stiffer than most.
 STIFF_FLOW: Final = 1e6
@@ -174,14 +176,24 @@ def inertial_number(shear_rate: float, diameter: float, density: float, pressure
     return abs(shear_rate) * diameter * math.sqrt(density / pressure)
 
 
-def collisional_from(restitution: float, kappa: float | None) -> float:
+def collisional_from(restitution: float, kappa: float | None, friction: float | None) -> float:
     """Inertial number above which contacts last less than twice as long as a collision, on average.
 
-    Outside the measured ranges it is that of their ends, of larger κ_p that of the formula: rather too low.
+    Outside the measured ranges it is that of their ends, of larger κ_p that of the formula, rather too low; of unknown
+    κ_p or friction a low one.
     """
     elastic, dissipative, power = SEPARATING
     loss = 1.0 - max(restitution, LEAST_RESTITUTION)
-    return float((elastic + dissipative * loss) * (max(kappa or STIFF_FLOW, SOFTEST_FLOW) / RIGID) ** -power)
+    shares = list(FRICTION_SHARE.values())
+    share = min(shares) if friction is None else float(np.interp(friction, list(FRICTION_SHARE), shares))
+    border = (elastic + dissipative * loss) * (max(kappa or STIFF_FLOW, SOFTEST_FLOW) / RIGID) ** -power
+    return float(share * border)
+
+
+def separating(cases: Sequence[Case], kappa: float | None) -> float:
+    """:func:`collisional_from` of grains with these contacts: the lowest of their frictions."""
+    frictions = {case.friction.coefficient for case in cases if case.second is not None} or {None}
+    return min(collisional_from(bounciest(cases), kappa, friction) for friction in frictions)
 
 
 def bounciest(cases: Sequence[Case]) -> float:
@@ -281,9 +293,10 @@ def springs_of(case: Case, overlap: float) -> Springs | None:
     normal, damping = p * force.stiffness * overlap ** (p - 1.0), force.damping * overlap**q
     if case.friction.coefficient == 0.0:
         return Springs(normal, 0.0, damping)
-    if case.friction.terms is None:
+    make_terms = case.friction.terms or case.friction.sticking
+    if make_terms is None:
         return None
-    terms = case.friction.terms(*bodies, 1.0)
+    terms = make_terms(*bodies, 1.0)
     tangential = terms.stiffness * overlap ** (0.25 * terms.stiffness_power)
     return Springs(normal, tangential, damping, terms.damping * overlap ** (0.25 * terms.damping_power))
 
@@ -602,7 +615,8 @@ class GrainState:
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
     inertial_number_needs: str | None = None  #: of a flow, the options that it lacks: "radius and density"
-    regime: str | None = None  #: "quasi-static", "dense" or "collisional"
+    largest_inertial_number: float | None = None  #: that below one layer of grains, if p has only a bound
+    regime: str | None = None  #: "quasi-static", "dense" or "collisional"; None if p below its bound decides
     collisional_from: float | None = None  #: I where contacts last twice as long as a collision
     shaking: float | None = None  #: Γ = A ω²/g
     shaking_strength: float | None = None  #: S = (A ω)²/(g d)
@@ -619,9 +633,9 @@ class GrainState:
         :meta private:
         """
         border, slope = self.collisional_from, self.slope_inertial_number
-        if border is None or self.inertial_number is not None or slope is None:
-            return self.regime == "collisional"
-        return slope[1] >= border
+        if self.inertial_number is not None:
+            return self.regime in (None, "collisional")
+        return border is not None and slope is not None and slope[1] >= border
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -640,11 +654,29 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     state = _held_together(moving, load, time_step, dimension)
     if state.inertial_number is None and state.slope_inertial_number is None:
         return state
-    border = collisional_from(bounciest(moving), None if state.pressure_is_bound else state.stiffness_number)
-    inertial = state.inertial_number
+    kappa, inertial, bound = state.stiffness_number, state.inertial_number, state.pressure_is_bound
+    border = separating(moving, None if bound and inertial is None else kappa)
+    if inertial is None:
+        return replace(state, collisional_from=border)
+    if not bound:
+        return replace(state, collisional_from=border, regime=regime(inertial, border))
+    layer = grain_state(cases, _below_a_layer(load, moving, state, dimension), time_step, dimension)
+    agree = regime(inertial, border) == layer.regime
     return replace(
-        state, collisional_from=border, regime=None if inertial is None else regime(inertial, border)
+        state,
+        largest_inertial_number=layer.inertial_number,
+        collisional_from=layer.collisional_from,
+        regime=layer.regime if agree else None,
     )
+
+
+def _below_a_layer(load: Load, cases: Sequence[Case], state: GrainState, dimension: int) -> Load:
+    """The least pressure in a bed, below one layer of grains: there I is largest and the collisional border lowest."""
+    diameter, density = _grain(cases, dimension)
+    assert state.pressure and diameter and density and load.gravity
+    across = load.gravity * math.cos(math.radians(load.tilt or 0.0))
+    least = weight(diameter, (state.packing_fraction or 0.0) * density, across)
+    return replace(load, pressure=min(least, state.pressure), bound=False)
 
 
 def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, dimension: int) -> GrainState:

@@ -86,7 +86,9 @@ def friction_of(source: Code, contact: ContactSettings, force: ModelForce | None
     model = None if own is None else models_of(source.name).get(own.model)
     if own is not None and model is not None and model.restitution is not None:
         others.insert(0, ("in this version", _oblique(source, contact, force, own)))
-        law, own = law._replace(model=own.model, not_known="only β at 45° is known"), None
+        until_slip = _terms_of(source, contact, force, own)
+        law = law._replace(model=own.model, not_known="only β at 45° is known")
+        law, own = law._replace(sticking=None if isinstance(until_slip, str) else until_slip), None
     law = law._replace(others=tuple((when, beta) for when, beta in others if beta is not None))
     if own is None:
         return law

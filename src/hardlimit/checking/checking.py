@@ -39,7 +39,7 @@ from .at_rest import GrainState
 from .contacts import Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Inferred, Verdict
-from .scripts import Description, Grains, Note, Quote, Stage
+from .scripts import Bath, Description, Grains, Note, Quote, Stage
 from .scripts import read as read_script
 from .supplied import NOTHING, SCALES, Supplied, completed, supplied
 
@@ -184,8 +184,8 @@ def check(
     ends a contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The error of ε by the time step is that of
     the code's integration in an isolated contact. Rayleigh time: Thornton & Randall, Micromechanics of Granular
     Materials (1988). Steady temperatures: van Noije & Ernst, Granular Matter 1, 57 (1998) for heating (within 3 % of
-    simulations for φ ≤ 0.1; where hard spheres are correlated, T is up to 30 % higher), Lun et al., J. Fluid Mech. 140,
-    223 (1984) for shear.
+    simulations for φ ≤ 0.1; where hard spheres are correlated, T is up to 30 % higher), with friction that of
+    :class:`hardlimit.boxes.theory.RotatingGas`; Lun et al., J. Fluid Mech. 140, 223 (1984) for shear.
 
     Examples
     --------
@@ -316,7 +316,7 @@ def _examined(
     ``driven``: what determines the speed. ``purpose``: what the box is run for. ``chosen``: speeds for contacts that
     depend on the speed if there is none.
     """
-    share = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
+    at_wall = math.sqrt(0.5) if gas.mean_speed is not None or driven is not None else 1.0
     between = [case for case in contacts if case.second is not None]
     bodies = [body for case in between for body in (case.first, case.second) if body and not body.fixed]
     gas = replace(
@@ -328,16 +328,20 @@ def _examined(
     for case in contacts:
         at, where = speeds, gas
         grain = None if purpose is None else purpose.gas(case, gas.dimension, gas.packing_fraction)
-        if purpose is not None and purpose.bath is not None and grain is not None:
-            where = replace(gas, heat_share=partial(purpose.heat_share, grain))
+        if purpose is not None and grain is not None and purpose.quantity == "temperature":
+            share = None if purpose.bath is None else partial(purpose.heat_share, grain)
+            missing = partial(purpose.without_friction, case, grain)
+            where = replace(gas, heat_share=share, without_friction=missing, heats_spins=purpose.heats_spins)
+        steady = None if driven is None else driven.steady(case, gas.dimension, gas.packing_fraction)
         if driven is not None:
-            steady = driven.speed(case, gas.dimension, gas.packing_fraction)
-            at, where = () if steady is None else (steady,), replace(where, mean_speed=steady)
-        values = [v * (share if case.second is None else 1.0) for v in at]
+            at = () if steady is None else (steady.speed,)
+            where = replace(where, mean_speed=None if steady is None else steady.speed)
+        values = [v * (at_wall if case.second is None else 1.0) for v in at]
         each = examine(case, values or [None], where)
         if not values and (each[0].duration is None or each[0].restitution is None):
             each = examine(case, chosen, where) if chosen else each
-        rows += [(case, row) for row in each]
+        ratio = None if steady is None else steady.temperature_ratio
+        rows += [(case, replace(row, temperature_ratio=ratio)) for row in each]
     return rows
 
 
@@ -402,7 +406,7 @@ class System:
 
 
 #: Units, dimension, shear rate, bath, and other drives in words.
-Kind = tuple[str, int, float | None, tuple[float, float] | None, str]
+Kind = tuple[str, int, float | None, Bath | None, str]
 
 
 def _kinds(stages: Sequence[Stage]) -> list[Kind]:
@@ -457,7 +461,10 @@ def _system(
     examined = _examined(contacts, gas, at, driven, purpose, chosen)
     support = drive.support(last)
     option = "" if plain else drive.option_of(support, length, time)
-    question = answer.Question(gas.quantity, bool(states), drive.words_of(last, support), option)
+    heats_spins = purpose is not None and purpose.heats_spins
+    question = answer.Question(
+        gas.quantity, bool(states), drive.words_of(last, support), option, heats_spins=heats_spins
+    )
     return System(
         last=last,
         supply=supply,
@@ -798,6 +805,8 @@ def _no_speed(
     if driven is None or all(row.speed is not None for row in rows):
         return
     reason = driven.why_not(gas.dimension, gas.packing_fraction)
+    if driven.moves_nothing and all(row.friction.coefficient == 0.0 for row in rows):
+        reason = reason or "spins of grains without friction move nothing"
     if any((row.restitution or 0.0) > 1.0 - drive.ELASTIC for row in rows if row.speed is None):
         reason = reason or "elastic grains have no steady state, they heat for ever"
     reason = (
@@ -982,11 +991,12 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
 
 
 def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
-    """A collisional flow under gravity is driven, but no homogeneous gas."""
+    """A flow under gravity that is collisional, or may be so, is driven, but no homogeneous gas."""
     if not (grains.may_separate and gravity):
         return question
-    slope = grains.regime is None
-    how = "a slope on which contacts may not last" if slope else "a collisional flow under gravity"
+    where = "a slope on" if grains.inertial_number is None else "a flow under gravity in"
+    known = grains.regime == "collisional"
+    how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
     return replace(question, driven=how)
 
 
@@ -1053,7 +1063,14 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
     purpose = options.drive or in_system
     driven = drive.words_of(None, support) if options.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
-    question = answer.Question(quantity, False, driven, drive.option_of(support, 1.0, 1.0), purpose)
+    question = answer.Question(
+        quantity,
+        False,
+        driven,
+        drive.option_of(support, 1.0, 1.0),
+        purpose,
+        purpose is not None and purpose.heats_spins,
+    )
     pull = float(np.linalg.norm(system.gravity))
     stage = replace(
         NO_RUN, gravity=pull or None, shear_rate=abs(system.shear_rate) or None, dimension=system.dimension

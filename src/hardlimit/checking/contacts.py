@@ -20,7 +20,16 @@ from ..boxes.time_step import DEFAULT_ERROR
 from ..contact import frictional_contact
 from ..convert.force import AdhesiveForce, Collision, Force, Powers
 from . import friction
-from .expectation import ACCEPTED, Expected, expected, expected_rubbing, extrapolated, rubbing, smooth_error
+from .expectation import (
+    ACCEPTED,
+    Expected,
+    expected,
+    expected_rubbing,
+    extrapolated,
+    knows_heated,
+    rubbing,
+    smooth_error,
+)
 from .friction import SMOOTH, SMOOTH_LAW, SPHERE, CheckedFriction, FrictionLaw
 
 #: Values tried for an unknown radius, mass and speed, far apart: a contact may be overdamped at two of them only.
@@ -73,6 +82,9 @@ class Surroundings:
     quantity: str = "cooling"  #: that the gas is judged by: a field of ``Expected``
     #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
     heat_share: Callable[[float], float] | None = None
+    #: Error of the temperature of a heated gas by leaving friction out, at a mean impact speed; None: not heated.
+    without_friction: Callable[[float], float | None] | None = None
+    heats_spins: bool = False  #: whether a thermostat acts on spins, too
     restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
     frictions: tuple[float | None, ...] = (
         0.0,
@@ -165,7 +177,8 @@ class CheckedContact:
     sheared_error_bar: float | None = None  #: its standard error
     friction: CheckedFriction = SMOOTH  #: that of the event-driven grains, too
     frictionless_error: float | None = None  #: of the quantity asked for, of grains without friction
-    smooth_error: float | None = None  #: of event-driven cooling without the friction, in theory
+    smooth_error: float | None = None  #: of the quantity asked for without the friction, in theory
+    temperature_ratio: float | None = None  #: T_r/T of a heated gas with friction, in theory
     extrapolated: str = ""  #: how the friction is outside what was measured for the error, in words
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
@@ -357,19 +370,14 @@ def _in_gas(
             rule, gas.dimension, gas.packing_fraction, mean.restitution, force.powers, tc_nu
         )
         # Measured for forces that never attract; attraction prolongs the contact.
-        if prediction is not None and prediction.temperature is not None and gas.heat_share is not None:
-            share = gas.heat_share(gas.mean_speed or speed)
-            prediction = prediction._replace(
-                temperature=(prediction.temperature[0] * share, prediction.temperature[1] * share)
-            )
-        return prediction and prediction.wider(wider)
+        return prediction and _in_bath(prediction, gas, speed).wider(wider)
 
     usual = usual_rule(force)
     known = with_bar(usual, tc_nu)
     if case.friction.coefficient != 0.0 or any(mu != 0.0 for mu in gas.frictions):
         decisive = None if known is None else getattr(known, gas.quantity)
         numbers["frictionless_error"] = None if decisive is None else decisive[0]
-        return numbers | _with_friction(case, force, (first, second), gas, mean, tc_nu, wider)
+        return numbers | _with_friction(case, force, (first, second), speed, gas, mean, tc_nu, wider)
     for rule in KNOWN_RULES:
         if RULES[rule].has_constant_restitution and usual == DEFAULTS["law"]:
             continue  # its error has another cause as well, the ε that depends on the speed
@@ -383,53 +391,69 @@ def _in_gas(
     return numbers
 
 
+def _in_bath(prediction: Expected, gas: Surroundings, speed: float) -> Expected:
+    """With the error of a temperature that a bath restores."""
+    if prediction.temperature is None or gas.heat_share is None:
+        return prediction
+    share, (value, bar) = gas.heat_share(gas.mean_speed or speed), prediction.temperature
+    return prediction._replace(temperature=(share * value, share * bar))
+
+
 def _with_friction(
     case: Case,
     force: Force,
     bodies: tuple[KnownBody, KnownBody],
+    speed: float,
     gas: Surroundings,
     mean: Collision,
     tc_nu: float,
     wider: float,
 ) -> dict[str, Any]:
-    """The error of event-driven cooling with the friction of the grains, if it and their inertia factors are the same;
-    empty if not known.
+    """The errors of event-driven cooling and heating with the friction of the grains, if it and their inertia factors
+    are the same; empty if not known.
 
     ``wider``: a further relative error.
     """
-    law, phi, speed = case.friction, gas.packing_fraction, gas.mean_speed or 1.0
-    if gas.quantity != "cooling" or not law.coefficient or law.terms is None or phi is None:
+    law, phi, at = case.friction, gas.packing_fraction, gas.mean_speed or speed
+    if not law.coefficient or law.terms is None or phi is None or gas.quantity == "stress":
+        return {}
+    heated = gas.quantity == "temperature"
+    if heated and (gas.heats_spins or not knows_heated(gas.dimension, force.powers)):
         return {}
     if len(gas.frictions) > 1 or len(gas.inertia_factors) > 1:  # not known of mixtures
         return {}
-    own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, speed), speed)
+    own = frictional_contact.in_own_units(friction.contact_of(law.terms, force, bodies, at), at)
     depth = Force(force.powers, 1.0, own.coefficients[1], 1.0).collision(1.0).compression
     grains = rubbing(own.terms, friction.ratios(own, depth), bodies[0].inertia_factor)
     if grains is None:
         return {}
     state = gas.dimension, phi, mean.restitution, force.powers, grains
 
-    def error(rule: str, x: float) -> tuple[float, float] | None:
+    def error(rule: str, x: float) -> Expected | None:
         prediction = expected_rubbing(rule, *state, x)
-        return prediction and prediction.wider(wider).cooling
+        return prediction and _in_bath(prediction, gas, speed).wider(wider)
 
-    if error("law", tc_nu) is None:
+    known = error("law", tc_nu)
+    if known is None:
         return {}
     numbers: dict[str, Any] = {}
-    for rule in ("constant", "law") if usual_rule(force) == "constant" else ("law",):
+    for rule in ("constant", "law") if usual_rule(force) == "constant" and not heated else ("law",):
         if (value := error(rule, tc_nu)) is not None:
-            numbers[rule], numbers[f"{rule}±"] = value
-    largest = _largest_tc_nu(lambda x: error("law", x))
+            numbers[rule], numbers[f"{rule}±"] = value.cooling
+    numbers["heated_error"], numbers["heated_error_bar"] = known.temperature or (None, None)
+    largest = _largest_tc_nu(lambda x: getattr(error("law", x), gas.quantity, None))
     exponent = 0.25 * force.powers.elastic + 1.0
     softening = None if largest is None else (tc_nu / largest) ** exponent
-    known = {"smooth_error": smooth_error(*state), "extrapolated": extrapolated(*state)}
-    return numbers | known | {"rule": "law", "softening": softening}
+    without = gas.without_friction(at) if gas.without_friction else None if heated else smooth_error(*state)
+    said = {"smooth_error": without, "extrapolated": extrapolated(*state, heated)}
+    return numbers | said | {"rule": "law", "softening": softening}
 
 
 def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> float | None:
     """t_c ν at which error and bar make 1 %, at most the largest measured; None if the error is not known.
 
-    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice.
+    Both are nearly in proportion to t_c ν, so that a few steps of a fixed point suffice, unless the error changes its
+    sign.
     """
     x = MEASURED_TC_NU
     for _ in range(FIXED_POINT_STEPS):
@@ -438,8 +462,14 @@ def _largest_tc_nu(error: Callable[[float], tuple[float, float] | None]) -> floa
         size, before = abs(value[0]) + value[1], x
         x = MEASURED_TC_NU if size == 0.0 else min(x * ACCEPTED / size, MEASURED_TC_NU)
         if math.isclose(x, before, rel_tol=1e-12):
+            return x
+    low, high = 0.0, MEASURED_TC_NU
+    while not math.isclose(low, high, rel_tol=1e-12):
+        middle = 0.5 * (low + high)
+        if not low < middle < high or (value := error(middle)) is None:
             break
-    return x
+        low, high = (middle, high) if abs(value[0]) + value[1] <= ACCEPTED else (low, middle)
+    return low
 
 
 def restitution_of(case: Case, speed: float) -> float:

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 
+from ..boxes import theory
+from ..boxes.box import Floats
+from ..boxes.spins import AXES_OF_ROTATION, HIGHEST, SMALLEST
 from ..boxes.system import ParticleSystem
-from ..boxes.theory import FLUID, Gas
+from ..boxes.theory import FLUID, Gas, Heat, RotatingGas
 from ..boxes.thermostats import Andersen, RandomKicks
+from ..contact import frictional_contact
+from ..contact.impact import FrictionalContact
+from ..convert.force import AdhesiveForce
 from ..support import validation
 from ..support.formatting import digits, quantity
 from .contacts import Case, restitution_of
-from .scripts import ContactSettings, Stage
+from .friction import contact_of
+from .scripts import Bath, ContactSettings, Stage
 from .scripts.description import WALL, Motion
 from .scripts.motion import acceleration
 
@@ -27,54 +35,97 @@ LEAST_IN_SHEAR: Final = 0.5
 ELASTIC: Final = 1e-10
 
 
+class Steady(NamedTuple):
+    """The steady state of grains."""
+
+    speed: float  #: mean impact speed √(πT)
+    temperature_ratio: float | None = None  #: T_r/T with friction; None where theory leaves it out
+
+
 @dataclass(frozen=True)
 class Drive:
-    """What keeps a gas in motion: a heating power of each grain, a shear rate, Andersen's bath, or shear and power."""
+    """What keeps a gas in motion: a heating power of each grain, a shear rate, a bath, or shear and power."""
 
     power: float | None = None
     shear_rate: float | None = None
-    bath: tuple[float, float] | None = None  #: temperature, or energy k_B T, and rate at which it is restored
-    per_mass: bool = True  #: whether the bath has a temperature in m²/s², not an energy
-    spins: bool = False  #: whether a thermostat acts on spins as well
+    bath: Bath | None = None
+    per_mass: bool = True  #: whether the bath has temperatures in m²/s², not energies
+    spin_power: float = 0.0  #: of each grain, on its spin
 
     def in_units(self, mass: float, length: float, time: float) -> Drive:
         """The same in units of these sizes."""
-        power = None if self.power is None else self.power * time**3 / (mass * length**2)
+        watt = mass * length**2 / time**3
+        power = None if self.power is None else self.power / watt
         rate = None if self.shear_rate is None else self.shear_rate * time
         bath = self.bath
         if bath is not None:
             unit = (1.0 if self.per_mass else mass) * (length / time) ** 2
-            bath = bath[0] / unit, bath[1] * time
-        return Drive(power, rate, bath, self.per_mass, self.spins)
+            bath = Bath(
+                bath.temperature / unit,
+                bath.rate * time,
+                bath.spin_temperature / unit,
+                bath.spin_rate * time,
+            )
+        return Drive(power, rate, bath, self.per_mass, self.spin_power / watt)
 
     @property
     def quantity(self) -> str:
         """The quantity for which the box is run, whose error decides."""
         return "temperature" if self.shear_rate is None else "stress"
 
+    @property
+    def heats_spins(self) -> bool:
+        """Whether a thermostat acts on spins as well."""
+        return self.spin_power > 0.0 or (self.bath is not None and self.bath.spin_rate > 0.0)
+
     def words(self, plain: bool) -> str:
         """What supplies the energy."""
         if self.power is not None and self.shear_rate is not None:
             return "shear and a thermostat"
         if self.power is not None:
-            return f"a power of {digits(self.power, 3) if plain else quantity(self.power, 'W', 3)} for each grain"
+            shown = [
+                digits(power, 3) if plain else quantity(power, "W", 3)
+                for power in (self.power, self.spin_power)
+            ]
+            return f"a power of {shown[0]} for each grain{f' and {shown[1]} for its spin' * self.heats_spins}"
         if self.shear_rate is not None:
             return f"a shear rate of {digits(self.shear_rate, 3)}{'' if plain else '/s'}"
-        return "the thermostat"
+        return f"the thermostat{' of velocities and spins' * self.heats_spins}"
 
     def temperature(self, gas: Gas, restitution: float) -> float:
-        """Granular temperature in the steady state. ``gas`` has one grain."""
+        """Granular temperature of smooth grains in the steady state. ``gas`` has one grain."""
         if self.power is not None:
             return gas.heated_temperature(self.power, restitution)
         if self.shear_rate is not None:
             return gas.sheared_temperature(self.shear_rate, restitution)
         assert self.bath is not None
-        hot, rate = self.bath[0] / (1.0 if self.per_mass else gas.mass), self.bath[1]
+        hot, rate = self.bath.temperature / (1.0 if self.per_mass else gas.mass), self.bath.rate
         # rate (T_b − T) = (1 − ε²) ν(T) T/d with ν ∝ √T, in x = √(T/T_b): x² + c x³ = 1.
         c = (1.0 - restitution**2) * float(gas.collision_rate(hot)) / (gas.dimension * rate)
-        roots = np.roots([c, 1.0, 0.0, -1.0]) if c > 0.0 else np.array([1.0])
-        x = next(float(root.real) for root in roots if abs(root.imag) < 1e-9 and root.real > 0.0)
+        if not c > 0.0:
+            return hot
+        size: float = c ** (-1.0 / 3.0)
+        x = size * theory.root_with_drag(size * size)
         return hot * x * x
+
+    @property
+    def moves_nothing(self) -> bool:
+        """Whether it heats the spins alone, so that grains without friction rest."""
+        if self.bath is not None:
+            return self.bath.temperature == 0.0
+        return self.power == 0.0
+
+    def heats(self, gas: Gas) -> tuple[Heat, Heat]:
+        """What the thermostat does to T and T_r. ``gas`` has one grain."""
+        if self.bath is not None:
+            unit = 1.0 if self.per_mass else gas.mass
+            hot, rate, spinning, spin_rate = self.bath
+            return Heat(rate * hot / unit, rate), Heat(spin_rate * spinning / unit, spin_rate)
+        axes = AXES_OF_ROTATION[gas.dimension]
+        return (
+            Heat(2.0 * (self.power or 0.0) / (gas.dimension * gas.mass)),
+            Heat(2.0 * self.spin_power / (axes * gas.mass)),
+        )
 
     def heat_share(self, gas: Gas, speed: float) -> float:
         """Error of the temperature over that at equal heating power, at this mean impact speed.
@@ -84,29 +135,57 @@ class Drive:
         """
         assert self.bath is not None
         temperature = speed**2 / math.pi
-        below = max(self.bath[0] / (1.0 if self.per_mass else gas.mass) - temperature, 0.0)
+        below = max(self.bath.temperature / (1.0 if self.per_mass else gas.mass) - temperature, 0.0)
         return 1.5 * below / (temperature + 1.5 * below)
 
-    def speed(self, case: Case, dimension: int, packing_fraction: float | None) -> float | None:
-        """Mean impact speed √(πT) of a contact's grains; None if it is not known, or theory does not apply.
+    def steady(self, case: Case, dimension: int, packing_fraction: float | None) -> Steady | None:
+        """The steady state of a contact's grains; None if it is not known, or theory does not apply.
 
-        ε is that of the contact at this speed. Grains of two sizes count as equal ones of their mean size and mass.
+        ε and β are those of the contact at the mean impact speed. Grains of two sizes count as equal ones of their mean
+        size and mass. Under shear, and where β is not known, theory is that of grains without friction.
         """
         gas = None if case.force is None else self.gas(case, dimension, packing_fraction)
         if gas is None:
             return None
-        speed, restitution = 0.0, 0.9
+        state = Steady(math.sqrt(math.pi * self._all_on_velocities().temperature(gas, 0.9)))
         for _ in range(STEPS):
-            before, speed = speed, math.sqrt(math.pi * self.temperature(gas, restitution))
+            speed = state.speed
             if not 0.0 < speed < math.inf:
                 return None
             restitution = restitution_of(case, speed)
-            least = LEAST_IN_SHEAR if self.shear_rate is not None else 0.0
-            if (restitution > 1.0 - ELASTIC and self.bath is None) or restitution < least:
+            rubbing = None if self.shear_rate is not None else rotating(case, gas, speed, restitution)
+            elastic = restitution > 1.0 - ELASTIC and self.bath is None and rubbing is None
+            if elastic or (restitution < LEAST_IN_SHEAR and self.shear_rate is not None):
                 return None
-            if abs(speed - before) <= 1e-12 * speed:
+            state = self._state(gas, restitution, rubbing)
+            if abs(state.speed - speed) <= 1e-12 * state.speed:
                 break
-        return speed
+        return state if 0.0 < state.speed < math.inf else None
+
+    def _all_on_velocities(self) -> Drive:
+        """A drive whose state is not far, for a start: that gives velocities what spins get, too."""
+        bath = self.bath and self.bath._replace(
+            temperature=max(self.bath.temperature, self.bath.spin_temperature)
+        )
+        return replace(self, power=None if self.power is None else self.power + self.spin_power, bath=bath)
+
+    def _state(self, gas: Gas, restitution: float, rubbing: RotatingGas | None) -> Steady:
+        """The steady state at this ε, of smooth grains without ``rubbing``; a speed of 0 if there is none."""
+        if rubbing is None:
+            return Steady(math.sqrt(math.pi * self.temperature(gas, restitution)))
+        heated = rubbing.heated_state(*self.heats(gas))
+        if heated is None:
+            return Steady(0.0)
+        return Steady(math.sqrt(math.pi * heated.temperature), heated.temperature_ratio)
+
+    def without_friction(self, case: Case, gas: Gas, speed: float) -> float | None:
+        """By how much the temperature of hard spheres is off if they leave friction out, at this mean impact speed."""
+        restitution = restitution_of(case, speed)
+        rubbing = rotating(case, gas, speed, restitution)
+        state = None if rubbing is None else rubbing.heated_state(*self.heats(gas))
+        if state is None or (restitution > 1.0 - ELASTIC and self.bath is None):
+            return None
+        return self.temperature(gas, restitution) / state.temperature - 1.0
 
     def gas(self, case: Case, dimension: int, packing_fraction: float | None) -> Gas | None:
         """One grain of the mean size and mass of a contact's grains, in its share of the box; None if not known."""
@@ -132,9 +211,54 @@ class Drive:
             return "kinetic theory of shear is that of spheres"
         if self.shear_rate is not None and self.power is not None:
             return "kinetic theory of shear has no thermostat"
-        if self.spins:
-            return "kinetic theory has no thermostat of spins"
         return ""
+
+
+#: Spacing of ln tan γ in a table of β; its ends, which reach beyond all angles of a gas; and the part around μ beyond
+#: which contacts stick as at head-on impacts, or slide.
+SPACING: Final = 0.05
+ENDS: Final = (-16.0, 24.0)
+AROUND: Final = (-7.0, 7.0)
+
+
+def rotating(case: Case, gas: Gas, speed: float, restitution: float) -> RotatingGas | None:
+    """The gas of grains that rub as in this contact at an impact speed; None for smooth ones, or if it is not known."""
+    law, bodies = case.friction, (case.first, case.second or case.first)
+    factors = {body.inertia_factor for body in bodies}
+    if not law.coefficient or law.terms is None or case.force is None or len(factors) > 1:
+        return None
+    (factor,) = factors
+    if not SMALLEST <= factor <= HIGHEST:  # grains that do not spin
+        return None
+    first, second = case.first.tried(0), None if case.second is None else case.second.tried(0)
+    force = case.force(first, second, speed)
+    if isinstance(force, AdhesiveForce) or not restitution > 0.0:
+        return None
+    contact = contact_of(law.terms, force, (first, second), speed)
+    beta = _table(frictional_contact.in_own_units(contact, speed))
+    if beta is None:
+        return None
+    return theory.tabulated(replace(gas, inertia_factor=factor), restitution, *beta)
+
+
+@lru_cache(maxsize=256)
+def _table(own: FrictionalContact) -> tuple[Floats, Floats] | None:
+    """tan γ and β, None if β is not known."""
+    if frictional_contact.is_too_stiff(own):
+        return None
+    scale = own.terms.coefficient if math.isfinite(own.terms.coefficient) else 1.0
+    first, last = (round(end / SPACING) for end in AROUND)
+    low = min(first, math.floor((ENDS[0] - math.log(scale)) / SPACING))
+    high = max(last, math.ceil((ENDS[1] - math.log(scale)) / SPACING))
+    tangents = scale * np.exp(SPACING * np.arange(low, high + 1))
+    own_range = slice(first - low, last - low + 1)
+    beta = np.empty_like(tangents)
+    beta[own_range] = frictional_contact.of_tangents(own, tangents[own_range])
+    beta[: own_range.start] = beta[own_range.start]
+    end = own_range.stop - 1
+    slides = math.isfinite(own.terms.coefficient)
+    beta[end + 1 :] = (1.0 + beta[end]) * tangents[end] / tangents[end + 1 :] - 1.0 if slides else beta[end]
+    return (tangents, beta) if np.isfinite(beta).all() else None
 
 
 def checked_drive(power: float | None, shear_rate: float | None, speeds: tuple[float, ...]) -> Drive | None:
@@ -162,12 +286,15 @@ def of_stage(stage: Stage, mass: float, length: float, time: float) -> Drive | N
 def of_system(system: ParticleSystem) -> Drive | None:
     """The drive of a system; None without shear and thermostat."""
     thermostat = system.thermostat
+    rotational = 0.0 if thermostat is None or thermostat.rotational is None else thermostat.rotational
     if isinstance(thermostat, Andersen):
-        return Drive(bath=(thermostat.temperature, thermostat.rate), spins=thermostat.rotational is not None)
+        turning = 0.0 if thermostat.rotational is None else thermostat.rate
+        return Drive(bath=Bath(thermostat.temperature, thermostat.rate, rotational, turning))
     power = thermostat.power / system.n if isinstance(thermostat, RandomKicks) else None
     shear_rate = abs(system.shear_rate) if system.shear_rate != 0.0 else None
-    spins = thermostat is not None and thermostat.rotational is not None
-    return None if power is None and shear_rate is None else Drive(power, shear_rate, spins=spins)
+    if power is None and shear_rate is None:
+        return None
+    return Drive(power, shear_rate, spin_power=rotational / system.n)
 
 
 # --- grains that rest, and shaken ones ------------------------------------------------------------------------

@@ -9,12 +9,14 @@ from typing import Any, Final, NamedTuple
 
 from ..boxes.error_law import (
     DENSEST,
+    LINEAR_POWERS,
     MEASURED_POWERS,
     ErrorLaw,
     Exponents,
     of_exponents,
     with_friction,
 )
+from ..boxes.frictional_error import Setting
 from ..contact.friction import LIMITS, NONE, RECORD, SPRING, Friction, FrictionTerms
 from ..convert.force import Powers
 from ..support import validation
@@ -99,17 +101,27 @@ def expected_rubbing(
     grains: Rubbing,
     tc_nu: float,
 ) -> Expected | None:
-    """The error of the cooling under the rule law or constant with the friction of the grains; None if it is not known.
+    """The errors of cooling and heating under the rule law or constant with the friction of the grains; None if they
+    are not known. That of heating is known under the rule law for spheres with linear springs.
 
-    The spins at the start are not known. It is the mean of a gas without spins and one of equal temperatures, and half
-    of their difference is in its bar.
+    The spins at the start of a cooling gas are not known. Its error is the mean of that without spins and that of equal
+    temperatures, and half of their difference is in its bar.
     """
     laws = _rubbing_laws(rule, dimension, packing_fraction, float(f"{restitution:.6g}"), powers, grains)
     if not laws:
         return None
     first, second = (law.error(tc_nu) for law in laws)
-    bar = max(law.error_bar(tc_nu) for law in laws)
-    return Expected((0.5 * (first + second), math.hypot(bar, 0.5 * (first - second))), None, None)
+    bar, heated = max(law.error_bar(tc_nu) for law in laws), laws[0].heated_error(tc_nu)
+    return Expected(
+        (0.5 * (first + second), math.hypot(bar, 0.5 * (first - second))),
+        None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
+        None,
+    )
+
+
+def knows_heated(dimension: int, powers: Powers) -> bool:
+    """Whether there is a law of the error of a heated gas with friction: for spheres with linear springs."""
+    return dimension == 3 and (powers.elastic, powers.damping) == LINEAR_POWERS
 
 
 def smooth_error(
@@ -121,11 +133,17 @@ def smooth_error(
 
 
 def extrapolated(
-    dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing
+    dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing, heated: bool
 ) -> str:
     """How the grains are outside what was measured, in words; empty if they are inside or nothing is known."""
-    laws = _rubbing_laws("law", dimension, packing_fraction, float(f"{restitution:.6g}"), powers, grains)
-    return laws[0].extrapolated if laws else ""
+    e = float(f"{restitution:.6g}")
+    laws = _rubbing_laws("law", dimension, packing_fraction, e, powers, grains)
+    if not (heated and laws):
+        return laws[0].extrapolated if laws else ""
+    form = (powers.elastic, powers.damping)
+    return Setting(dimension, e, grains.friction, 0.0, grains.inertia_factor, form).outside_heated(
+        packing_fraction
+    )
 
 
 @cache

@@ -21,15 +21,23 @@ from .contacts import Case, restitution_of
 from .scripts import Stage
 from .scripts.description import WALL
 
-#: s, t and I₀ by the friction of the grains; between them they are interpolated.
-SLOPES: Final = {0.3: (0.337, 0.934, 0.76), 0.5: (0.378, 1.047, 1.03), 0.7: (0.38, 0.987, 0.75)}
-#: By how much measured ratios differ from these with ε from 0.5 to 0.9, up to this I; faster ones depend on ε.
-RATIO_ERROR, FASTEST = 0.025, 0.4
+#: s by the friction of the grains, between which it is interpolated, and by how much measured ratios with ε from 0.5 to
+#: 0.9 differ from the formula.
+SLOPES: Final = {
+    0.1: (0.265, 0.03),
+    0.2: (0.315, 0.025),
+    0.3: (0.349, 0.025),
+    0.5: (0.376, 0.025),
+    0.7: (0.388, 0.025),
+    1.0: (0.391, 0.04),
+}
+#: t − s and I₀, for all of these, and the I up to which they were measured; faster flows depend on ε.
+RISE, SCALE, FASTEST = 0.65, 0.9, 0.4
 #: Restitutions that are near enough to the measured ones.
 RESTITUTIONS: Final = (0.4, 0.95)
 #: Settings that resist rolling, or of a code of which that is not read here.
 ROLLING: Final = {"rolling", "rolling_friction", "twisting", "physics"}
-#: Angle [°] from which grains may flow down a slope; heaps of glass beads stand up to 20 or more.
+#: Angle [°] from which grains may flow down a slope if no number is known; heaps of glass beads stand up to 20 or more.
 STEEP: Final = 15.0
 #: Froude numbers up to which a drum moves its grains in these ways; beyond, they centrifuge.
 DRUMS: Final = {1e-4: "slumping", 1e-2: "rolling", 0.1: "cascading", 1.0: "cataracting"}
@@ -39,7 +47,7 @@ def of_stage(stage: Stage, cases: Sequence[Case], tilt: float) -> dict[str, Any]
     """Values of a :class:`Load` under gravity at this angle [°] against the axes."""
     values: dict[str, Any] = {}
     friction, drum = friction_of(stage, cases), turning(stage)
-    if tilt >= STEEP and friction is not None:
+    if friction is not None and (tilt >= STEEP or on_slope(tilt, friction)[1] > 0.0):
         values["slope_inertial_number"] = on_slope(tilt, friction)
         values["rest_angle"] = math.degrees(math.atan(rest_ratio(friction)))
     if drum is not None and stage.gravity:
@@ -78,21 +86,24 @@ def _alike(case: Case) -> bool:
 
 def rest_ratio(friction: float) -> float:
     """tan θ below which a deep layer comes to rest."""
-    return float(np.interp(friction, list(SLOPES), [s for s, _, _ in SLOPES.values()]))
+    return float(np.interp(friction, list(SLOPES), [s for s, _ in SLOPES.values()]))
+
+
+def stress_ratio(inertial: float, friction: float) -> float:
+    """tan θ of a deep layer that flows with this I."""
+    return rest_ratio(friction) + RISE / (1.0 + SCALE / inertial)
 
 
 def on_slope(tilt: float, friction: float) -> tuple[float, float]:
     """Least and largest I of a deep layer on a rough plane at this angle [°]; 0: at rest, infinite: not measured."""
-    s, t, scale = (
-        float(np.interp(friction, list(SLOPES), column)) for column in zip(*SLOPES.values(), strict=True)
-    )
-    ratio = math.tan(math.radians(tilt))
+    error = float(np.interp(friction, list(SLOPES), [error for _, error in SLOPES.values()]))
+    above = math.tan(math.radians(tilt)) - rest_ratio(friction)
 
     def inertial(at: float) -> float:
-        value = scale * (at - s) / (t - at) if at < t else math.inf
+        value = SCALE * at / (RISE - at) if at < RISE else math.inf
         return max(value, 0.0) if value <= FASTEST else math.inf
 
-    return inertial(ratio - RATIO_ERROR), inertial(ratio + RATIO_ERROR)
+    return inertial(above - error), inertial(above + error)
 
 
 def way_of(froude: float) -> str:

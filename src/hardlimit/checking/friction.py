@@ -48,6 +48,7 @@ class FrictionLaw(NamedTuple):
     terms: MakeTerms | None = None  #: None if they are not known
     not_known: str | None = None  #: why
     others: tuple[tuple[str, MakeRestitution], ...] = ()  #: in other versions of the code
+    sticking: MakeTerms | None = None  #: those that hold until the surfaces slip, where no others are known
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ NUMBERS = {
     "sheared_error_bar": "1",
     "frictionless_error": "1",
     "smooth_error": "1",
+    "temperature_ratio": "1",
     "softening": "1",
 }
 #: Numbers of the friction of a contact in the Dataset: their fields, and their units.

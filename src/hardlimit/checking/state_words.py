@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from ..contact import compression
 from ..support.formatting import digits, length, percent, quantity
 from . import flows
 from .answer import stiffness
@@ -36,14 +37,11 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
         return f"Grains leave a floor with Γ > 1{shown}: {BEADS}."
     parts = [_softness(state, plain, dimension)]
     if state.inertial_number is not None:
-        sign = "≥ " if state.pressure_is_bound else ""
-        border = f" (collisional from {digits(state.collisional_from or 0.0, 2)})" * (state.regime == "dense")
-        known = f"{sign}{digits(state.inertial_number, 2)}: {state.regime} flow{border}"
-        parts.append(f"I = γ̇ d √(ρ/p) = {known}")
+        parts.append(_inertial(state))
     elif state.name == "flow":
         parts.append(_needed(state))
         parts.insert(0, _drum(state, plain))
-    elif state.name == "rest" and (state.tilt or 0.0) >= flows.STEEP:
+    elif state.name == "rest" and ((state.tilt or 0.0) >= flows.STEEP or _slides(state)):
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
@@ -55,6 +53,22 @@ def _needed(state: GrainState) -> str:
     options = [f"--{name}" for name in (state.inertial_number_needs or "").split(" and ")]
     options = ["--shear, of the flowing layer," if name == "--shear" else name for name in options]
     return f"{' and '.join(options)} {'gives' if len(options) == 1 else 'give'} the inertial number"
+
+
+def _inertial(state: GrainState) -> str:
+    """The inertial number, if the pressure has only a bound up to that below one layer of grains, and the regime."""
+    text = f"I = γ̇ d √(ρ/p) = {digits(state.inertial_number or 0.0, 2)}"
+    if state.largest_inertial_number is not None:
+        text += f" to {digits(state.largest_inertial_number, 2)} (below one layer of grains)"
+    border = digits(state.collisional_from or 0.0, 2)
+    if state.regime is None:
+        return f"{text}; contacts last below I = {border}; --pressure gives its own"
+    return f"{text}: {state.regime} flow" + f" (collisional from {border})" * (state.regime == "dense")
+
+
+def _flows(state: GrainState) -> bool:
+    """Whether grains flow too fast for the contacts of a packing at rest, or may do so."""
+    return state.inertial_number is not None and state.regime != "quasi-static"
 
 
 def _slides(state: GrainState) -> bool:
@@ -98,6 +112,10 @@ def _speed(state: GrainState, plain: bool) -> str:
     return digits(state.impact_speed or 0.0, 2) + " m/s" * (not plain)
 
 
+def _pressure(value: float, plain: bool, dimension: int, figures: int) -> str:
+    return digits(value, figures) if plain else quantity(value, "N/m" if dimension == 2 else "Pa", figures)
+
+
 def _few(state: GrainState, plain: bool) -> str:
     """The contact of one or two grains at its impact."""
     at, duration = _speed(state, plain), state.duration or 0.0
@@ -114,17 +132,18 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
         options = "--pressure or --height" if state.name == "rest" else "--pressure"
         return _border(state, plain, dimension, options)
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
-    unit = "N/m" if dimension == 2 else "Pa"
-    shown = f"p = {digits(state.pressure, 3)}" if plain else quantity(state.pressure, unit, 3)
+    shown = f"{'p = ' * plain}{_pressure(state.pressure, plain, dimension, 3)}"
     verb = VERBS["pressed" if _slides(state) else state.name]
     text = f"{verb} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
     kappa = state.stiffness_number
     if kappa is None or state.regime == "collisional":
         return text
     text += f": κ_p{least} {digits(kappa, 2)}"
-    if state.regime != "dense" and not _slides(state):  # flows have fewer contacts and larger overlaps
+    if not _flows(state) and not _slides(state):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
-        if state.overlap_range is not None and not most and not overlap.startswith("less"):
+        if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
+            overlap = "more than half"  # which no contact law describes
+        elif state.overlap_range is not None and not most and not overlap.startswith("less"):
             low, high = map(percent, state.overlap_range)
             overlap = f"{low.removesuffix(' %')} to {high}"
         text += f", overlap {'' if overlap.startswith('less') else most}{overlap} of R"
@@ -141,8 +160,7 @@ def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str
     if border is None:
         return f"Give {options} to know how soft they are"
     if depth is None or layers is None:
-        unit = "N/m" if dimension == 2 else "Pa"
-        limit = digits(border, 2) if plain else quantity(border, unit, 2)
+        limit = _pressure(border, plain, dimension, 2)
         return f"Grains are rigid (κ_p ≥ 1e4) up to p = {limit}; {options} gives their own κ_p"
     heights = [digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in (layers, depth)]
     kappa, overlap = digits(state.layers_stiffness_number or 0.0, 2), percent(state.layers_overlap or 0.0)
@@ -174,7 +192,7 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    if (state.regime == "dense" or _slides(state)) and state.overlap is not None:
+    if (_flows(state) or _slides(state)) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
         yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 1 to 8 times that."
     elif state.deepest_overlap is not None:
@@ -184,7 +202,7 @@ def details(verdict: Verdict) -> Iterator[str]:
         yield "The overlap is that of the softest contacts: it is not known how many grains of each kind there are."
     elif state.overlap is not None:
         yield "The overlap is the mean of all contacts at this pressure, over the smaller radius of both grains."
-    if state.overlap_range is not None and state.smooth_overlap is not None and state.regime != "dense":
+    if state.overlap_range is not None and state.smooth_overlap is not None and not _flows(state):
         smooth = f"those compressed before they got it overlap by about {percent(state.smooth_overlap)} of R"
         yield f"The range is that of ways to compress grains with their friction; {smooth}."
     if state.packing_excess is not None and state.coordination_excess is not None:

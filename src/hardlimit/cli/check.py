@@ -568,6 +568,7 @@ def detail(row: CheckedContact, plain: bool, accepted: float) -> str:
         "overlap": None if row.largest_overlap is None else percent(row.largest_overlap),
         "t_c ν": number(row.tc_nu, 2),
         "δ/d": number(row.delta_over_d, 2),
+        "T_r/T": number(row.temperature_ratio, 2),
         f"time step for an error of {digits(accepted, 2)}": when(row.time_step),
         "Rayleigh time": when(row.rayleigh_time),
         "P-wave time": when(row.p_wave_time),

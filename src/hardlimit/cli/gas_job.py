@@ -85,6 +85,7 @@ START: Final = (
         "1/s",
     ),
     Entry("heat", "Heat the grains by random kicks of this total power [W].", "W"),
+    Entry("heat_spins", "Heat the spins of grains that rub, in the same way [W].", "W"),
     Entry("frame", "Index of the frame of FILE.  [default: the last one]", kind=int),
     Entry("units", f"Units of FILE: {' | '.join(UNITS)}.  [default: those that it names, or si]"),
     Entry(
@@ -94,7 +95,8 @@ START: Final = (
     ),
 )
 OF_SHAKING: Final = ("shake", "wall", "waveform")
-OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "shear", "heat")
+OF_HEATING: Final = ("heat", "heat_spins")
+OF_THE_BOX: Final = ("boundary", "gravity", *OF_SHAKING, "shear", *OF_HEATING)
 #: How a file is read, and what it may lack.
 OF_READING: Final = ("frame", "units", "allowed_overlap")
 #: Arguments of ``ParticleSystem.read``.
@@ -105,7 +107,7 @@ OF_A_FILE: Final = (*OF_THE_BOX, *READ)
 ALIASES: Final = {
     **dict.fromkeys(("path", "file"), "FILE"),
     **dict.fromkeys(("walls", "amplitude", "frequency"), "--shake"),
-    **{"shear_rate": "--shear", "thermostat": "--heat"},
+    **{"shear_rate": "--shear", "thermostat": "--heat", "rotational": "--heat-spins"},
     **{"folder": "--write-input", "molecular_dynamics": "--engine auto"},
 }
 #: Interval between the kicks of a heated gas, in mean times between two collisions of a particle.
@@ -217,7 +219,7 @@ class GasJob:
     def start(self, **changes: Any) -> hl.ParticleSystem:
         """The start, from a file or at random; ``changes`` are arguments of a random one."""
         settings = {name: single(value) for name, value in self.random.items()} | changes
-        power, rate = settings.pop("heat", None), settings.pop("shear", None)
+        powers, rate = [settings.pop(name, None) for name in OF_HEATING], settings.pop("shear", None)
         shaken: dict[str, str] = {name: settings.pop(name) for name in OF_SHAKING if name in settings}
         if self.file is None:
             for name in OF_READING:
@@ -228,11 +230,11 @@ class GasJob:
             d, sides = arguments.get("dimension", 3), arguments.get("boundary")
             arguments |= moving_walls(shaken, d, sides)
             arguments |= shear(rate, sides, arguments.get("boundary", ["periodic"] * d))
-            return heated(hl.ParticleSystem.random(**arguments, progress=not changes), power)
+            return heated(hl.ParticleSystem.random(**arguments, progress=not changes), *powers)
         for name in settings:
             if name not in OF_A_FILE:
                 raise ValueError(f"{name}: must be left out with a start from a file")
-        return heated(self._read(settings, shaken, rate), power)
+        return heated(self._read(settings, shaken, rate), *powers)
 
     def _read(
         self, settings: dict[str, Any], shaken: dict[str, str], rate: float | None
@@ -357,19 +359,32 @@ def shear(rate: float | None, boundary: Any, sides: Any) -> dict[str, Any]:
     return {"shear_rate": rate, "boundary": [sides[0], "lees-edwards", *sides[2:]]}
 
 
-def heated(system: hl.ParticleSystem, power: float | None) -> hl.ParticleSystem:
-    """The system with a thermostat of this power [W], whose kicks are short compared with the time between collisions.
+def heated(
+    system: hl.ParticleSystem, power: float | None, spinning: float | None = None
+) -> hl.ParticleSystem:
+    """The system with a thermostat of these powers [W], which kicks often compared with the time between collisions.
 
     Enskog's rate is that at the larger of the initial temperature and the one at which collisions of ε = 0 dissipate
-    this power.
+    these powers.
     """
-    if power is None:
+    powers = {"heat": power, "heat_spins": spinning}
+    checked = {
+        name: validation.number(name, value, 0.0, highest=LARGEST)
+        for name, value in powers.items()
+        if value is not None
+    }
+    if not checked:
         return system
-    checked = validation.number("heat", power, 0.0, highest=LARGEST)
     gas = Gas(system.n, float(system.radius.mean()), 1.0, system.domain.volume, system.dimension)
-    steady = (2.0 * checked / (float(system.mass.sum()) * float(gas.collision_rate(1.0)))) ** (2.0 / 3.0)
+    steady = (2.0 * sum(checked.values()) / (float(system.mass.sum()) * float(gas.collision_rate(1.0)))) ** (
+        2.0 / 3.0
+    )
     rate = float(gas.collision_rate(max(system.granular_temperature, steady)))
-    return system.replace(thermostat=hl.RandomKicks(checked, KICK_INTERVAL / rate))
+    return system.replace(
+        thermostat=hl.RandomKicks(
+            checked.get("heat", 0.0), KICK_INTERVAL / rate, rotational=checked.get("heat_spins")
+        )
+    )
 
 
 def single(value: Any) -> Any:

@@ -38,6 +38,8 @@ MOST_HALF_PERIODS: Final = 100.0
 GRAZING: Final = 1e5
 #: Points of the quadrature over angles, in each of the three ranges of sticking, mixed and sliding contacts.
 POINTS: Final = 16
+#: More than the error of β0 by this quadrature. Superballs have 1, and no passive contact more.
+QUADRATURE: Final = 1e-4
 #: Digits to which contacts count as equal, so that they are computed once.
 DIGITS: Final = 10
 
@@ -71,6 +73,11 @@ def tangential_restitution(contact: FrictionalContact, speed: float, angles: Flo
     return _restitution(contact, speed, np.maximum(np.tan(angles), smallest))
 
 
+def of_tangents(own: FrictionalContact, tangents: Floats) -> Floats:
+    """β at each tan γ > 0 of a contact in its own units; NaN where it is not resolved."""
+    return _restitution(own, 1.0, tangents)
+
+
 def table(contact: FrictionalContact, speed: float) -> tuple[tuple[float, float], ...]:
     """β at each of :data:`ANGLES`; empty if the bodies stay together."""
     return _table(in_own_units(contact, speed))
@@ -78,7 +85,8 @@ def table(contact: FrictionalContact, speed: float) -> tuple[tuple[float, float]
 
 def effective_restitution(contact: FrictionalContact, speed: float, dimension: int) -> float:
     """β0 of the constant rule with the same ε and μ that stands for this contact in a gas; NaN if none does."""
-    return _effective(in_own_units(contact, speed), dimension)
+    beta0 = _effective(in_own_units(contact, speed), dimension)
+    return 1.0 if 1.0 < beta0 < 1.0 + QUADRATURE else beta0
 
 
 def half_period(contact: FrictionalContact, speed: float) -> float:

@@ -152,3 +152,15 @@ def means(
     first, second = (total + coarse.sum(axis=1)).tolist()
     share = math.nan if math.isnan(slides_beyond) else sliding_share(slides_beyond, variance_ratio, dimension)
     return Means(first, second, share)
+
+
+def table_means(tangents: Floats, beta: Floats, variance_ratio: float, dimension: int) -> Means:
+    """Means for β at each of many tan γ, whose logarithms are equally spaced and reach beyond all that matter.
+
+    The rule of midpoints: a thousandth of the time of :func:`means`, with an error of about 1e-4 by kinks of β.
+    """
+    u = tangents**2 / (variance_ratio + tangents**2)
+    spacing = math.log(tangents[-1] / tangents[0]) / (len(tangents) - 1)
+    mass = density(u, dimension) * 2.0 * u * (1.0 - u) * spacing
+    change = mass * (1.0 + beta)
+    return Means(float(change.sum()), float(change @ (1.0 + beta)), math.nan)

@@ -161,7 +161,7 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
-        if law.friction is None:
+        if not rubs(law):
             refuse_rotational(first.thermostat)
         if solver == "auto":
             solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
@@ -260,20 +260,23 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
 
 
 def _tangential(system: ParticleSystem, law: Law, tangential_restitution: Any) -> float | None:
-    """β0 of the rules constant and tc, as given or that of a typical impact; None without friction."""
-    if law.friction is None:
-        if tangential_restitution is not None:
+    """β0 of the rules constant and tc, as given or that of a typical impact; None without friction, also for μ = 0."""
+    own: float | None = None
+    if tangential_restitution is not None:
+        if law.friction is None:
             shown = validation.shown(tangential_restitution)
             raise ValueError(
                 f"tangential_restitution: got {shown}, must be left out for a law without friction"
             )
-        return None
-    if tangential_restitution is not None:
         limits = {"lowest_allowed": True, "highest_allowed": True}
-        return validation.number("tangential_restitution", tangential_restitution, -1.0, 1.0, **limits)
+        own = validation.number("tangential_restitution", tangential_restitution, -1.0, 1.0, **limits)
+    if not rubs(law):
+        return None
+    if own is not None:
+        return own
     grain = mean_grain(system)
     beta = law.between(grain, grain).effective_tangential_restitution(typical_speed(system), system.dimension)
-    if math.isnan(beta):
+    if not beta <= 1.0:  # NaN, or grains that gain energy by Mindlin's springs
         raise ValueError(
             "tangential_restitution: missing, must be given: no constant one stands for this law in a gas"
         )

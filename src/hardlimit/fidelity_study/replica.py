@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..boxes import hard_spheres, newton, time_step
 from ..boxes.box import Floats
+from ..boxes.contacts import rubs
 from ..boxes.engines import NewtonSettings
 from ..boxes.observables import OBSERVABLES, Observable, Samples
 from ..boxes.result import ContactResult
@@ -102,7 +103,7 @@ Call = Callable[[], object]  #: may raise an exception to stop the run
 
 def quantities(system: ParticleSystem, law: Law) -> dict[str, Observable]:
     """The observables that are compared in a box."""
-    rotation = {ROTATION.name: ROTATION} if law.friction is not None else {}
+    rotation = {ROTATION.name: ROTATION} if rubs(law) else {}
     return QUANTITIES | rotation | (OF_SHEAR if system.shear_rate else {})
 
 
@@ -199,8 +200,8 @@ def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
     rule = RULES[model]
     parameters = dict.fromkeys(rule.parameters, plan.contact_duration)
     if "restitution" in rule.takes:
-        friction = None if plan.law.friction is None else plan.law.friction.coefficient
-        rubbing = (friction, plan.tangential_restitution)
+        friction = plan.law.friction if rubs(plan.law) else None
+        rubbing = () if friction is None else (friction.coefficient, plan.tangential_restitution)
         settings = Settings(model, plan.restitution, None, parameters, *rubbing)
     else:
         settings = Settings(model, None, plan.law, parameters)

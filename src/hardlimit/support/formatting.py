@@ -28,7 +28,8 @@ def quantity(value: float, unit: str, significant: int = 6) -> str:
     if value != 0.0 and math.isfinite(value):
         for factor, prefix in PREFIXES:
             if abs(value) >= 0.9999999 * factor:
-                return f"{digits(value / factor, significant)} {prefix}{unit}"
+                rounded = float(f"{value / factor:.{significant}g}")
+                return f"{digits(rounded, max(significant, 4))} {prefix}{unit}"  # 750 µs, not 7.5e2 µs
     return f"{digits(value, significant)} {unit}"
 
 

@@ -11,11 +11,23 @@ from typing import Final
 
 from ...support import validation
 from .commands import Commands, given, text_of
-from .description import ContactSettings, Description, Grains, Note, Quote, Setting, Settings, Stage, date
+from .description import (
+    Bath,
+    ContactSettings,
+    Description,
+    Grains,
+    Note,
+    Quote,
+    Setting,
+    Settings,
+    Stage,
+    date,
+)
 from .statements import quoted
 
 __all__ = [
     "CODES",
+    "Bath",
     "ContactSettings",
     "Description",
     "Grains",

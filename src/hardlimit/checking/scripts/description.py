@@ -151,6 +151,15 @@ class Note:
     quote: Quote | None = None
 
 
+class Bath(NamedTuple):
+    """A thermostat that restores a temperature: dT/dt = rate (T_bath − T)."""
+
+    temperature: float  #: as an energy k_B T
+    rate: float
+    spin_temperature: float = 0.0  #: of the spins
+    spin_rate: float = 0.0  #: 0 if it leaves spins alone
+
+
 @dataclass(frozen=True)
 class Stage:
     """What holds during one run."""
@@ -169,9 +178,7 @@ class Stage:
     edges: tuple[float | None, ...] = (None, None, None)  #: of the box
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear
-    bath: tuple[float, float] | None = (
-        None  #: energy k_B T of a thermostat, and the rate at which it restores T
-    )
+    bath: Bath | None = None  #: the thermostat of the grains
     units: str = "si"
     units_given: bool = True  #: False for the code's default
     dimension: int = 3

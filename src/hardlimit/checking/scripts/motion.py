@@ -10,9 +10,10 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Final
 
-from .description import Direction, Motion, Note
+from .description import Bath, Direction, Motion, Note
 from .formulas import NUMBER
 
 if TYPE_CHECKING:
@@ -37,18 +38,23 @@ BOLTZMANN: Final = {
     "micro": 1.380649e-8,
     "nano": 0.01380649,
 }
+#: q of the moment of inertia with which ``fix langevin`` turns grains, its rate for spins over that for velocities, and
+#: the words that switch this on.
+SPHERE, OF_SPINS, YES = 0.4, 10.0 / 3.0, ("yes", "on", "true")
 WIGGLE: Final = re.compile(r"\s*[sc]wiggle\(([^,]*),([^,]*),([^,]*)\)\s*")
 TIME: Final = re.compile(r"\btime\b")
+STEPS: Final = re.compile(r"\b(?:step|elapsed)\b")
+WAVE: Final = re.compile(r"\b(?:sin|cos)\(")
 #: A reference to what the simulation computes, such as a force.
 MEASURED: Final = re.compile(r"\b[cf]_\w+")
 
-Driven = tuple[tuple[Note, ...], tuple[Note, ...], float | None, tuple[float, float] | None]
+Driven = tuple[tuple[Note, ...], tuple[Note, ...], float | None, Bath | None]
 
 
 def driven(state: State) -> Driven:
     """What presses the grains, what else drives them, the shear rate, and the thermostat that hold now."""
     pressed, others = list(state.squeezed), list[Note]()
-    rates, baths = list[float](), list[tuple[float, float]]()
+    rates, baths = list[float](), list[Bath]()
     for fix in state.fixes.values():
         if fix.style.startswith("deform"):
             kind, rate = deformation(state, fix.words)
@@ -109,16 +115,33 @@ def measured(state: State, words: Sequence[str]) -> bool:
     return any(MEASURED.search(value) for name in names if name in known for value in known[name].values)
 
 
-def bath(state: State, fix: Fix) -> tuple[float, float] | None:
-    """k_B T and 2/damp of ``fix langevin`` on all grains at a constant temperature; None for other ones."""
+def bath(state: State, fix: Fix) -> Bath | None:
+    """``fix langevin`` on all grains at a constant temperature, with the rate 2/damp; None for other ones.
+
+    With ``omega yes`` it acts on spins, 10/3 times as fast, with the moment of inertia of spheres.
+    """
     group, numbers = state.members(fix.group), [state.coefficient(word) for word in fix.words[:3]]
     if len(numbers) < 3 or None in numbers or not group.whole:
         return None
     start, stop, damp = (float(number) for number in numbers if number is not None)
-    every = group.types is None or group.types >= {k for k in state.present() if not state.frozen(k)}
+    moving = {k for k in state.present() if not state.frozen(k)}
+    every = group.types is None or group.types >= moving
     if not every or start != stop or not (start > 0.0 and damp > 0.0) or state.units not in BOLTZMANN:
         return None
-    return BOLTZMANN[state.units] * start, 2.0 / damp
+    options = fix.words[4:]
+    scales = [options[k + 1 : k + 3] for k, word in enumerate(options[:-2]) if word == "scale"]
+    scaled = {kind: state.coefficient(by) for kind, by in scales}
+    longer = {scaled.get(str(kind), 1.0) for kind in moving}
+    times = longer.pop() if len(longer) == 1 and all(kind.isdecimal() for kind in scaled) else None
+    if not times or times < 0.0:
+        return None
+    energy, rate = BOLTZMANN[state.units] * start, 2.0 / (damp * times)
+    on = [value for word, value in pairwise(options) if word == "omega"]
+    if not on or on[-1] not in YES:
+        return Bath(energy, rate)
+    factors = {state.inertia_factor(kind) for kind in moving}
+    own = factors.pop() if len(factors) == 1 else SPHERE
+    return Bath(energy, rate, energy, OF_SPINS * rate * SPHERE / own)
 
 
 # --- the box ------------------------------------------------------------------------------------------------
@@ -253,22 +276,55 @@ def steady(state: State, words: Sequence[str]) -> Motion:
 
 
 def by_variables(state: State, words: Sequence[str]) -> Motion | None:
-    """The motion of what variables displace along each axis; an oscillation if they are ``swiggle`` or ``cwiggle``."""
+    """The motion of what variables displace along each axis; an oscillation if they are one sine or cosine of time."""
     parts = dict[str, tuple[str, str]]()
     for axis, word in zip(AXES, words, strict=False):
         if not word.startswith("v_") or state.coefficient(word) is not None:
             continue
         variable = state.variables.known.get(word[2:])
-        match = WIGGLE.fullmatch(state.variables.substitute(variable.values[0])) if variable else None
-        if match is None:
+        if variable is None or variable.style != "equal":
             return UNKNOWN
-        parts[axis] = str(state.variables.number(match[2])), str(state.variables.number(match[3]))
+        formula = state.variables.substitute(variable.values[0])
+        if match := WIGGLE.fullmatch(formula):
+            parts[axis] = str(state.variables.number(match[2])), str(state.variables.number(match[3]))
+        elif part := _wave(state, formula):
+            parts[axis] = part
+        else:
+            return UNKNOWN
     periods = {period for _, period in parts.values()}
     if not parts:
         return None
     if len(periods) > 1:
         return UNKNOWN
     return oscillation(state, [parts.get(axis, ("0", ""))[0] for axis in AXES], periods.pop())
+
+
+def _wave(state: State, formula: str) -> tuple[str, str] | None:
+    """Amplitude and period of c + A sin(ω t + φ), written with one sine or cosine of ``time``, or of steps."""
+    in_time = STEPS.sub(f"(time/{state.step_now()!r})", formula)
+    waves = list(WAVE.finditer(in_time))
+    if len(waves) != 1 or not TIME.search(in_time):
+        return None
+    start = waves[0].end()
+    depths = accumulate((letter == "(") - (letter == ")") for letter in in_time[start:])
+    length = next((k for k, depth in enumerate(depths) if depth < 0), None)
+
+    def at(text: str, time: float) -> float:
+        value = state.variables.number(TIME.sub(f"({time!r})", text))
+        return math.nan if value is None else value
+
+    phases = [at(in_time[start:][:length], time) for time in (0.0, 1.0, 2.0)]
+    omega = abs(phases[1] - phases[0])
+    if not (omega > 0.0 and math.isclose(abs(phases[2] - phases[0]), 2.0 * omega, rel_tol=1e-9)):
+        return None
+    quarter = 0.5 * math.pi / omega
+    first, second, third, fourth, fifth = (at(in_time, k * quarter) for k in range(5))
+    size = 0.5 * math.hypot(first - third, second - fourth)
+    close = {"rel_tol": 1e-9, "abs_tol": 1e-9 * size}
+    middle, between = 0.5 * (first + third), at(in_time, 0.5 * quarter)
+    wave = middle + math.sqrt(0.5) * (first - middle + second - middle)
+    same = ((fifth, first), (second + fourth, first + third), (between, wave))
+    return (str(size), str(4.0 * quarter)) if all(math.isclose(a, b, **close) for a, b in same) else None
 
 
 def oscillation(state: State, amplitudes: Sequence[str], period: str) -> Motion:
@@ -290,7 +346,7 @@ def of_grains(state: State, kind: int) -> Motion | None:
                 return oscillation(state, words[:3], (*words[3:], "")[0])
             if style == "linear":
                 return steady(state, words[:3])
-            return UNKNOWN if style == "variable" else STEADY
+            return (by_variables(state, words[:3]) or UNKNOWN) if style == "variable" else STEADY
     return None
 
 

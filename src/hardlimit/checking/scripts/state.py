@@ -679,9 +679,8 @@ class State(Reader):
         """The grains of a type as they are now."""
         disks = self.code == "liggghts" and self.dimension == 2
         frozen, freezes = self.frozen(kind), self.stopped("freeze", kind)
-        partly = [
-            style for style in ("freeze", "setforce") if not frozen and self.stopped(style, kind, False)
-        ]
+        holding = ("freeze", "setforce", *PRESCRIBED)
+        partly = [style for style in holding if not frozen and self.stopped(style, kind, False)]
         grains = self.population.grains(
             kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
         )
@@ -1018,10 +1017,10 @@ class State(Reader):
         return SPHERE
 
     def stopped(self, style: str, kind: int, whole: bool = True) -> bool:
-        """Whether ``fix freeze``, or ``fix setforce`` with three zeros, acts on all grains of a type, or on some."""
+        """Whether a fix that holds grains, as ``setforce`` with three zeros, acts on all of a type, or on some."""
         return any(
             fix.style == style
-            and (style == "freeze" or (len(fix.words) >= 3 and set(fix.words[:3]) <= ZEROS))
+            and (style != "setforce" or (len(fix.words) >= 3 and set(fix.words[:3]) <= ZEROS))
             and (self.members(fix.group).whole or not whole)
             and kind in self.within(self.members(fix.group))
             for fix in self.fixes.values()
