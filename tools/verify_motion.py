@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import recorded
 import scipy
-from verify_states import CODES, SCRIPTS, Lammps, Script
+from verify_states import CODES, SCRIPTS, Lammps, Script, largest_stable
 
 #: Facets of a cylinder.
 FACETS: Final = 48
@@ -200,6 +200,60 @@ def box_in_lammps(code: Lammps) -> dict[str, float]:
     }
 
 
+#: Lines that make YADE print pressure, shear stress, overlap over the smaller radius and temperature at equal strains.
+CELL: Final = """
+import numpy as np
+
+def numbers():
+    grains = [b for b in O.bodies if isinstance(b.shape, Sphere)]
+    at, v = (np.array([list(x) for x in part]) for part in zip(*[(b.state.pos, b.state.vel) for b in grains]))
+    mass = np.array([b.state.mass for b in grains])
+    own = v - at @ np.array(O.cell.velGrad).reshape(3, 3).T
+    stress = np.array(getStress()).reshape(3, 3) - own.T @ (mass[:, None] * own) / O.cell.volume
+    depths = [i.geom.penetrationDepth / min(i.geom.refR1, i.geom.refR2) for i in O.interactions if i.isReal]
+    heat = mass @ (own**2).sum(1) / (3 * len(grains))
+    return -np.trace(stress) / 3, stress[0, 1], np.mean([x for x in depths if x > 0] or [0]), heat
+
+def shear(samples, steps):
+    for _ in range(samples):
+        for _ in range(10):
+            O.run(steps, True)
+            print("NUMBERS", *numbers(), flush=True)
+        O.cell.flipCell()
+"""
+
+
+def cell_in_yade(code: Lammps) -> dict[str, float]:
+    """Means from a strain of 1 to one of 5, and the step from which on grains get hotter, from the last state on."""
+    shutil.copy(SCRIPTS / "dense.txt", code.folder)
+    start, _, run = code.text.partition("for _ in range(50):")
+    assert run, "the run of the script has changed"
+
+    def table(text: str) -> np.ndarray:
+        return np.array(re.findall(r"NUMBERS (\S+) (\S+) (\S+) (\S+)", text), float)
+
+    said = table(code.run(f'{start}{CELL}shear(50, 125)\nO.save("sheared.yade.gz")'))[100:]
+    for part in np.split(said, 4):
+        print("pressure, stress ratio", part[:, 0].mean(), part[:, 1].sum() / part[:, 0].sum(), flush=True)
+    pressure, stress, overlap, heat = said.mean(0)
+
+    def cool(step: float) -> bool:
+        """Whether grains have less than twice the mean temperature from a strain of 0.2 to one of 1."""
+        again = f'{CELL}O.load("sheared.yade.gz")\nO.dt = {step!r}\nshear(10, {round(0.001 / step)})'
+        last = table(code.run(again))[20:, 3]
+        print("step, temperature over the mean", step, last.mean() / heat, flush=True)
+        return len(last) == 80 and bool(np.isfinite(last).all()) and float(last.mean()) < 2.0 * heat
+
+    return {
+        "shear_rate": 10.0,
+        "pressure": pressure,
+        "inertial_number": 10.0 * 1e-3 * math.sqrt(2500.0 / pressure),
+        "stress_ratio": stress / pressure,
+        "overlap": overlap,
+        "largest_stable_step": largest_stable(cool, 8e-6),
+    }
+
+
 def surface(rows: np.ndarray) -> float:
     """Slope of the line through the highest grains of columns in the middle of a heap."""
     edges = np.quantile(rows[:, 0], np.linspace(0.2, 0.8, 9))
@@ -217,6 +271,7 @@ MOTIONS: Final = (
     Motion("lammps_turning_drum", drum_in_lammps),
     Motion("lammps_dense_shear", box_in_lammps),
     Motion("liggghts_rolling_drum", drum_in_liggghts),
+    Motion("yade_dense_shear", cell_in_yade),
 )
 COLUMNS: Final = (
     "script",
@@ -228,6 +283,7 @@ COLUMNS: Final = (
     "inertial_number",
     "stress_ratio",
     "overlap",
+    "largest_stable_step",
 )
 
 

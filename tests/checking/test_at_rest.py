@@ -1,5 +1,6 @@
 """Grains at rest, pressed, flowing and shaken: the number of each state."""
 
+import itertools
 import math
 import re
 from pathlib import Path
@@ -16,6 +17,7 @@ from hardlimit.checking import at_rest, cases, mixture
 from hardlimit.checking.scripts import census
 
 STUDIES = Path(__file__).parents[2] / "studies"
+STATES = Path(__file__).parent / "data/states"
 BEAD = hl.Ball(1e-3, density=2500.0)
 LINEAR = hl.LinearDashpot(stiffness=1e4, restitution=0.9)
 RUBBING = hl.LinearDashpot(stiffness=1e4, restitution=0.9, friction=hl.Friction(0.5))
@@ -45,7 +47,10 @@ def test_a_bed_of_linear_springs():
     overlap = 2.0 * math.pi / (carrying * bed.stiffness_number)
     assert bed.overlap == pytest.approx(packing.stress_share * overlap)
     assert bed.stiffness_for_rigid == pytest.approx(1e4 * 1e4 / bed.stiffness_number)
-    assert number(LINEAR, pressure=pressure).overlap == pytest.approx(overlap)
+    carrying = at_rest.pressed(0.0).carrying(bed.stiffness_number, 3)
+    pressed = number(LINEAR, pressure=pressure)
+    assert pressed.overlap == pytest.approx(2.0 * math.pi / (carrying * bed.stiffness_number))
+    assert pressed.overlap_range is None and number(LINEAR, height=0.1).overlap_range is None
 
 
 def test_overlaps_beyond_all_contact_laws_have_no_number():
@@ -227,13 +232,74 @@ MEASURED = {
 @pytest.mark.parametrize(("law", "name"), MEASURED)
 def test_the_mean_overlap_is_the_measured_one(law, name):
     """Within 2 %, compressed ones within 5 %, over three decades; soft packings have more contacts."""
-    packing = at_rest.PRESSED if name == "pressed" else at_rest.PACKINGS[3, law is RUBBING]
+    packing = at_rest.pressed(0.5) if name == "pressed" else at_rest.PACKINGS[3, law is RUBBING]
     contacts = cases.of_law([BEAD], law, False, None)
     for kappa, measured in MEASURED[law, name].items():
         pressure = 1e4 / (2e-3 * kappa)
         load = at_rest.Load(name, pressure=pressure, packing=packing)
         bed = at_rest.grain_state(contacts, load, None, 3)
         assert bed.overlap * kappa == pytest.approx(measured, rel=0.05 if name == "pressed" else 0.02)
+
+
+CELLS = xr.load_dataset(STUDIES / "pressed_cells.nc")
+
+
+def test_pressed_cells_carry_as_said():
+    """φ z by friction within 6 %, and of all preparations with friction within the range; means of three replicas."""
+    carrying = (CELLS.packing_fraction * CELLS.coordination).mean("replica")
+    tried = 0
+    for mu, name, kappa in itertools.product(
+        CELLS.friction.values, CELLS.preparation.values, CELLS.level.values
+    ):
+        here = float(carrying.sel(friction=mu, preparation=name, level=kappa))
+        width = 0.2 / math.sqrt(3.0) if name == "radii ± 20 %" else 0.0
+        over = here / at_rest.pressed(float(mu)).carrying(float(kappa), 3, width)
+        if name == "smooth first":
+            smooth = here / at_rest.pressed(0.0).carrying(float(kappa), 3)
+            assert math.isnan(here) or 0.88 < smooth < 1.0
+        elif not math.isnan(here):
+            tried += 1
+            assert at_rest.PREPARED[0] < over < at_rest.PREPARED[1]
+            assert name != "loose" or abs(over - 1.0) < 0.06
+    assert tried == 60
+
+
+def test_pressed_cells_of_unequal_grains_overlap_as_said():
+    """The mean over the smaller radius, within 6 %, and in the range."""
+    kinds = mixture.uniform("1", (0.8e-3, 1.2e-3))
+    for kappa in CELLS.level.values:
+        pressure = 1e4 / (2e-3 * float(kappa))
+        load = at_rest.Load("pressed", pressure=pressure, packing=at_rest.pressed(0.5), kinds=kinds)
+        said = at_rest.grain_state(cases.of_law([BEAD], RUBBING, False, None), load, None, 3)
+        here = CELLS.overlap.sel(friction=0.5, preparation="radii ± 20 %", level=kappa)
+        assert said.overlap == pytest.approx(float(here.mean()), rel=0.06)
+        low, high = said.overlap_range
+        assert low < here.min() and here.max() < high and said.smooth_overlap < low
+
+
+def test_pressed_grains_have_the_overlap_of_their_friction():
+    """More friction, fewer contacts; one value if there is no friction, a range in the sentence else."""
+    overlaps = []
+    for mu in (0.0, 0.1, 0.3, 0.5, 1.0):
+        law = hl.LinearDashpot(stiffness=1e4, restitution=0.5, friction=hl.Friction(mu) if mu else None)
+        verdict = hl.check(BEAD, law=law, pressure=500.0)
+        overlaps.append(verdict.state.overlap)
+        assert (" to " in verdict.sentence.partition("overlap")[2][:20]) is (mu > 0.0)
+    assert overlaps == sorted(overlaps) and overlaps[1] < 0.95 * overlaps[2] < 0.9 * overlaps[3]
+    rougher = hl.LinearDashpot(stiffness=1e4, restitution=0.5, friction=hl.Friction(2.0))
+    assert number(rougher, pressure=500.0).overlap == overlaps[4]
+
+
+def test_a_bed_under_gravity_is_settled_whatever_gives_its_pressure():
+    """Only what a script presses has the packing of pressed grains."""
+    bed = STATES / "lammps_settled_bed"
+    for options in ({"pressure": 50.0}, {"height": 0.01}):
+        said = state(bed, speed=0.1, **options)
+        assert said.overlap_range is None and said.coordination == at_rest.PACKINGS[3, True].coordination
+    text = bed.read_text(encoding="utf-8").replace(
+        "\nrun ", "\nfix squeeze all press/berendsen iso 1 50 1\nrun "
+    )
+    assert state(text, speed=0.1).overlap_range is not None
 
 
 # --- grains of unequal sizes ------------------------------------------------------------------------------------
@@ -644,6 +710,34 @@ def test_a_belt_flows():
 
 
 @pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, "--radius and --density give the inertial number."),
+        ({"radius": 1e-3}, "--density gives the inertial number."),
+        ({"density": 2500.0}, "--radius gives the inertial number."),
+        ({"radius": 1e-3, "density": 2500.0}, "I = γ̇ d √(ρ/p) = 0.32: dense flow"),
+    ],
+)
+def test_a_flow_asks_for_what_its_inertial_number_needs(options, words):
+    """The shear rate and the pressure are known, but not the sizes, which are in a file that is not there."""
+    text = (STATES / "lammps_dense_shear").read_text(encoding="utf-8").replace("dense.data", "other.data")
+    verdict = hl.check(text, pressure=10.0, **options)
+    assert verdict.state.name == "flow" and words in verdict.sentence and "--shear" not in verdict.sentence
+    needs = verdict.state.inertial_number_needs
+    assert (needs is None) is (verdict.state.inertial_number is not None)
+
+
+def test_a_flow_asks_for_its_shear_rate_and_its_pressure():
+    belt = script(CLIPPED, FALL, SHEARED)
+    for options, words in (
+        ({"height": 0.1}, "--shear, of the flowing layer, gives the inertial number."),
+        ({}, "--shear, of the flowing layer, and --pressure give the inertial number."),
+        ({"shear_rate": 5.0}, "--pressure gives the inertial number."),
+    ):
+        assert words in hl.check(belt, **options).sentence
+
+
+@pytest.mark.parametrize(
     ("gravity", "tilt"), [("vector 0 0 -1", 0.0), ("chute 24.0", 24.0), ("chute 5.0", 5.0)]
 )
 def test_a_slope_is_said(gravity, tilt):
@@ -691,7 +785,8 @@ def test_the_sentence_is_short_for_all_settings():
         )
         plain = verdict.to_dict()["state"]
         assert all(
-            value is None or isinstance(value, str | bool) or math.isfinite(value) for value in plain.values()
+            value is None or isinstance(value, str | bool) or np.isfinite(value).all()
+            for value in plain.values()
         )
 
 

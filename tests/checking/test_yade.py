@@ -924,3 +924,20 @@ def test_grains_without_friction_have_no_tangential_force():
         mu, tangential, description = friction(pair, smooth)
         assert mu == 0.0 and tangential is None and not description.unknown
     assert not read(script(VISCEL, TC.format("", 0), SPHERE + SPHERE + FACET)).warnings
+
+
+def test_the_viscoelastic_law_is_wrong_at_the_sides_of_a_sheared_cell():
+    """Two spheres across a side of a cell: YADE 2023.02a pulls them along their relative motion."""
+    cell = "O.periodic = True\nO.cell.setBox(1, 1, 1)\n"
+    turned = "O.cell.velGrad = Matrix3(0, 5, 0, 0, 0, 0, 0, 0, 0)\n"
+    viscoelastic = (
+        "O.materials.append(ViscElMat(kn=1e3, ks=3e2, cn=1, cs=0, frictionAngle=0.4, density=2500))\n"
+    )
+    for pair, material, strain, wrong in (
+        (VISCEL, viscoelastic, turned, True),
+        (VISCEL, viscoelastic, "", False),
+        (FRICT, GLASS, turned, False),
+    ):
+        text = script(pair, material, cell + SPHERE, rest=f"{strain}O.dt = 1e-6\nO.run(10)\n")
+        notes = [note.what for note in read(text).warnings]
+        assert any("wrong sign" in what for what in notes) is wrong

@@ -14,6 +14,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 import hardlimit as hl
+from hardlimit.boxes.lammps import program
 from hardlimit.checking import at_rest
 from hardlimit.plots.style import style
 from legible import assert_legible, coloured
@@ -209,6 +210,24 @@ def test_a_mixture_from_its_start_to_values(study, monkeypatch) -> None:
 
 
 @pytest.mark.slow
+def test_a_cell_is_pressed_to_the_pressures_of_its_levels(study, monkeypatch) -> None:
+    """Few grains; the mean overlap is that of the mean force, more contacts carry more."""
+    try:
+        program.find(1)
+    except ImportError as missing:
+        pytest.skip(str(missing))
+    script = study("pressed_cells")
+    monkeypatch.setattr(script, "N", 60)
+    monkeypatch.setattr(script, "LEVELS", (1e3, 1e2))
+    monkeypatch.setattr(script, "PREPARATIONS", {"tried": script.Preparation(0.5, 1e-3, spread=0.1)})
+    values = {name: np.array(value) for name, value in script.pressed(0.5, "tried", 0).items()}
+    assert values["pressure"] * [1e3, 1e2] == pytest.approx(1.0, abs=0.02)
+    carrying = values["packing_fraction"] * values["coordination"]
+    assert values["overlap"] == pytest.approx(2.0 * np.pi * values["pressure"] / carrying, rel=0.06)
+    assert (values["energy"] < script.QUIET).all() and carrying[1] > 1.1 * carrying[0]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -217,6 +236,7 @@ def test_a_mixture_from_its_start_to_values(study, monkeypatch) -> None:
         "flow_map",
         "shaken_column",
         "packings",
+        "pressed_cells",
         "mixtures",
         "dense_flow",
         "lasting_contacts",

@@ -74,13 +74,16 @@ class Packing(NamedTuple):
     softer: float = (
         3.1  #: (φ z of spheres over that of rigid ones − 1) √κ_p; settled: with friction and without
     )
+    wider: float = mixture.WIDER  #: increase of φ z over the width of the sizes ...
+    widest: float = math.inf  #: ... up to this width
+    prepared: tuple[float, float] | None = None  #: least and largest φ z over this one, by preparation
 
     def carrying(self, kappa: float, dimension: int, width: float = 0.0) -> float:
         """φ z of the grains that carry the pressure, at a stiffness number and a width of the sizes."""
         if self.rigid is None:
             return self.packing_fraction * self.coordination
         softer = self.softer / math.sqrt(max(kappa, SOFTEST)) if dimension == 3 else 0.0
-        return self.rigid * (1.0 + softer) * (1.0 + mixture.WIDER * width)
+        return self.rigid * (1.0 + softer) * (1.0 + self.wider * min(width, self.widest))
 
 
 #: Settled beds with and without friction by dimension. Spheres: beds of 524 to 900 by our own steps and in LAMMPS
@@ -93,8 +96,21 @@ PACKINGS: Final = {
     (2, True): Packing(0.80, 3.5, 0.80, 2.80),
     (2, False): Packing(0.83, 4.0, 0.96, 3.32),
 }
-#: Spheres with friction that walls press together without gravity: a tenth of them carry nothing.
-PRESSED: Final = Packing(0.606, 4.5, 1.0, 2.16, 6.0)
+#: Spheres that are pressed together without gravity, by friction: φ, z, φ z of rigid ones, and how φ z grows with
+#: softness; frictions above 1 have the numbers of the last one (studies/pressed_cells.nc, κ_p from 1e3 to 1e5). With
+#: much friction a tenth of them carry nothing.
+PRESSED: Final = {
+    0.0: (0.63, 6.0, 3.66, 3.1),
+    0.1: (0.61, 5.2, 3.05, 3.5),
+    0.3: (0.59, 4.7, 2.48, 5.0),
+    0.5: (0.59, 4.5, 2.16, 6.0),
+    1.0: (0.58, 4.4, 2.02, 7.5),
+}
+#: Least and largest φ z over these, by the first packing fraction, rate, damping and tangential springs.
+PREPARED: Final = (0.92, 1.09)
+#: Decrease of φ z over the standard deviation of the radii in units of their mean, and the largest that was measured:
+#: small grains between large ones carry nothing.
+NARROWER, MEASURED_WIDTH = 0.5, 0.2 / math.sqrt(3.0)
 #: Largest m ω²/k_n of smooth spheres, and q m ω²/(2/3 k_t) of spheres that turn: value at z = 0 and slope, from the
 #: contact networks of these beds. Of disks, those of six neighbours, which no packing of equal ones exceeds.
 MOVED: Final = {3: (3.8, 0.38), 2: (6.0, 0.0)}
@@ -105,6 +121,22 @@ UNEQUAL_SHARE: Final = 0.86
 SPREAD: Final = 1.3
 #: Share of the tangential springs in the motion of grains, which mostly roll; power of the mean over both motions.
 DRAGGED, MIXED = 0.5, 10.0
+
+
+def pressed(friction: float) -> Packing:
+    """Spheres with this coefficient of friction that are pressed together without gravity."""
+    fraction, contacts, rigid, softer = (
+        float(np.interp(friction, list(PRESSED), column)) for column in zip(*PRESSED.values(), strict=True)
+    )
+    return Packing(
+        fraction,
+        contacts,
+        rigid=rigid,
+        softer=softer,
+        wider=-NARROWER,
+        widest=MEASURED_WIDTH,
+        prepared=PREPARED if friction > 0.0 else None,
+    )
 
 
 # --- formulas -------------------------------------------------------------------------------------------------
@@ -556,6 +588,8 @@ class GrainState:
     packing_fraction: float | None = None  #: φ that was used, measured or expected
     coordination: float | None = None  #: contacts of a grain that were used, measured or expected
     overlap: float | None = None  #: δ/R, mean overlap of contacts over the smaller radius
+    overlap_range: tuple[float, float] | None = None  #: δ/R of pressed grains, by how they were compressed
+    smooth_overlap: float | None = None  #: δ/R if these were pressed together before they got their friction
     overlap_of: str | None = None  #: "all contacts", or "the softest contacts" if the kinds are not known
     deepest_overlap: float | None = None  #: δ/R of the deepest contacts of equal grains
     stiffness_number: float | None = None  #: κ_p
@@ -580,6 +614,7 @@ class GrainState:
     restitution: float | None = None  #: ε of this impact
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
+    inertial_number_needs: str | None = None  #: of a flow, the options that it lacks: "radius and density"
     largest_inertial_number: float | None = None  #: that below one layer of grains, if p has only a bound
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"; None if p below its bound decides
     collisional_from: float | None = None  #: I where contacts last twice as long as a collision
@@ -662,9 +697,11 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     contacts = loaded(moving, load.pressure, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
-    inertial = None
+    inertial = lacking = None
     if load.shear_rate is not None and load.pressure and diameter and density:
         inertial = inertial_number(load.shear_rate, diameter, density, load.pressure)
+    elif load.name == "flow":
+        lacking = _lacking(load, moving)
     state = GrainState(
         name=load.name,
         pressure=load.pressure,
@@ -674,6 +711,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         coordination=packing.coordination,
         largest_stable_step=longest,
         inertial_number=inertial,
+        inertial_number_needs=lacking,
         shaking=load.shaking,
         tilt=load.tilt,
         slope_inertial_number=load.slope_inertial_number,
@@ -747,15 +785,43 @@ def _softened(state: GrainState, contacts: Sequence[Loaded], mix: Mixed | None =
     if spring is not None:
         _, value, power = spring
         rigid = value * (RIGID / kappa) ** (0.25 * contact.force.powers.elastic / power)
+    mean = overlap / min(contact.radii) if mix is None else mix.overlap
     return replace(
         state,
-        overlap=overlap / min(contact.radii) if mix is None else mix.overlap,
+        overlap=mean,
+        **_prepared(mean, contact, kappa),
         overlap_of="the softest contacts" if mix is None and differ else "all contacts",
         deepest_overlap=None if mix is not None or differ else overlap / min(contact.radii) * deepest,
         stiffness_number=kappa,
         stiffness=None if spring is None else spring[0],
         stiffness_for_rigid=rigid,
     )
+
+
+def _lacking(load: Load, moving: Sequence[Case]) -> str:
+    """The options that give the inertial number of a flow."""
+    sized = [case.first for case in moving if case.first.radius]
+    known = {
+        "shear": load.shear_rate is not None,
+        "pressure": bool(load.pressure),
+        "radius": bool(sized),
+        "density": any(body.mass for body in sized)
+        or (not sized and any(case.first.density for case in moving)),
+    }
+    return " and ".join(name for name, is_known in known.items() if not is_known)
+
+
+def _prepared(overlap: float, contact: Loaded, kappa: float) -> dict[str, Any]:
+    """The overlaps of pressed grains that were compressed in other ways than that of this mean overlap."""
+    packing, power = contact.packing, 4.0 / contact.force.powers.elastic
+    if packing.prepared is None or contact.dimension != 3:
+        return {}
+    least, most = packing.prepared
+    smooth = packing.carrying(kappa, 3) / pressed(0.0).carrying(kappa, 3)
+    return {
+        "overlap_range": (overlap * most**-power, overlap * least**-power),
+        "smooth_overlap": overlap * smooth**power,
+    }
 
 
 def _grain(cases: Sequence[Case], dimension: int) -> tuple[float | None, float | None]:

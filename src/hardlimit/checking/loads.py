@@ -14,7 +14,7 @@ from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length
 from . import dumps, flows, mixture
-from .at_rest import PACKINGS, PRESSED, Load, Packing, most_layers, weight
+from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
 from .contacts import Case
 from .drive import Support
 from .scripts import Stage
@@ -96,20 +96,20 @@ def load_of(
     stage: Stage, support: Support, options: LoadOptions, shear_rate: float | None, around: Around
 ) -> Load:
     """What holds the grains of a run together. ``shear_rate``: an option, which comes before that of the script."""
-    pressed = (
+    held = (
         bool(stage.pressed) or stage.pressure is not None or options.pressure is not None or around.barostat
     )
     if options.height is not None and not stage.gravity:
         raise ValueError(f"height: got {options.height:g}, must be left out without gravity")
     rests = support.rests or options.height is not None
     rate, lasting = stage.shear_rate if shear_rate is None else shear_rate, around.lasting
-    if stage.gravity and support.moves and not (rests or lasting or pressed):
+    if stage.gravity and support.moves and not (rests or lasting or held):
         frequency = None if support.motion is None else support.motion.frequency
         return Load("shaken", gravity=stage.gravity, shaking=support.shaking, frequency=frequency)
-    if lasting is False or not (pressed or rests or lasting):
+    if lasting is False or not (held or rests or lasting):
         return Load("gas")
     driven = rate is not None or (support.moves and support.shaking is None)
-    name = "flow" if driven else "pressed" if pressed or not rests else "rest"
+    name = "flow" if driven else "pressed" if held or not rests else "rest"
     kinds = _kinds(stage, around)
     load = Load(
         name,
@@ -121,12 +121,20 @@ def load_of(
         shaking=support.shaking,
         layers=most_layers(stage.contents.count, around.dimension),
     )
-    load = replace(load, **_pressure(stage, options, around, pressed))
+    load = replace(load, **_pressure(stage, options, around, held))
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt))
-    settled = name == "rest" or load.weight or around.packing != PACKINGS[3, True]
-    return load if settled else replace(load, packing=PRESSED)
+    by_script = stage.pressed or stage.pressure is not None or around.barostat
+    settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
+    known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks
+    return load if settled or known else replace(load, packing=pressed(_friction(around.cases)))
+
+
+def _friction(cases: Sequence[Case]) -> float:
+    """The largest coefficient of friction of the grains; one that is not known counts as large."""
+    pairs = [case.friction.coefficient for case in cases if case.second is not None]
+    return max((1.0 if mu is None else mu for mu in pairs), default=1.0)
 
 
 def _kinds(stage: Stage, around: Around) -> tuple[mixture.Kind, ...]:

@@ -39,13 +39,20 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     if state.inertial_number is not None:
         parts.append(_inertial(state))
     elif state.name == "flow":
-        parts.append("--shear, of the flowing layer, gives the inertial number")
+        parts.append(_needed(state))
         parts.insert(0, _drum(state, plain))
     elif state.name == "rest" and ((state.tilt or 0.0) >= flows.STEEP or _slides(state)):
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
     return " ".join(f"{part}." for part in parts if part)
+
+
+def _needed(state: GrainState) -> str:
+    """The options that would give the inertial number of a flow."""
+    options = [f"--{name}" for name in (state.inertial_number_needs or "").split(" and ")]
+    options = ["--shear, of the flowing layer," if name == "--shear" else name for name in options]
+    return f"{' and '.join(options)} {'gives' if len(options) == 1 else 'give'} the inertial number"
 
 
 def _inertial(state: GrainState) -> str:
@@ -136,6 +143,9 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
         overlap = percent(state.overlap or 0.0)
         if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
             overlap = "more than half"  # which no contact law describes
+        elif state.overlap_range is not None and not most and not overlap.startswith("less"):
+            low, high = map(percent, state.overlap_range)
+            overlap = f"{low.removesuffix(' %')} to {high}"
         text += f", overlap {'' if overlap.startswith('less') else most}{overlap} of R"
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
@@ -184,7 +194,7 @@ def details(verdict: Verdict) -> Iterator[str]:
         yield f"Packing at rest: {packing}."
     if (_flows(state) or _slides(state)) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
-        yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 2 to 8 times that."
+        yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 1 to 8 times that."
     elif state.deepest_overlap is not None:
         deepest = percent(state.deepest_overlap)
         yield f"The overlap is the mean of all contacts at this pressure; the deepest are about {deepest} of R."
@@ -192,6 +202,9 @@ def details(verdict: Verdict) -> Iterator[str]:
         yield "The overlap is that of the softest contacts: it is not known how many grains of each kind there are."
     elif state.overlap is not None:
         yield "The overlap is the mean of all contacts at this pressure, over the smaller radius of both grains."
+    if state.overlap_range is not None and state.smooth_overlap is not None and not _flows(state):
+        smooth = f"those compressed before they got it overlap by about {percent(state.smooth_overlap)} of R"
+        yield f"The range is that of ways to compress grains with their friction; {smooth}."
     if state.packing_excess is not None and state.coordination_excess is not None:
         denser, more = percent(state.packing_excess), percent(state.coordination_excess)
         yield f"Beds of such grains are {denser} denser than those of rigid ones and have {more} more contacts."

@@ -948,6 +948,7 @@ class Yade(Reader, Evaluator):
         else:
             self.stages.append(new)
             self.damping_note(new, integrators)
+            self.sides_note(new)
             self.notes()
             if new.contacts:
                 self.missing_engines()
@@ -959,6 +960,16 @@ class Yade(Reader, Evaluator):
             quote = self.at(integrators[-1]) if integrators else None
             what = f"the damping {damping:g} of NewtonIntegrator acts on spins as well, along each axis"
             self.warnings[Note(f"{what}: β is without it", None, quote)] = None
+
+    def sides_note(self, stage: Stage) -> None:
+        """YADE's viscoelastic law adds the velocity of an image in a sheared cell where it must subtract it.
+
+        Seen in 2023.02a with two spheres across a side; grains then slide along the sides as a plug.
+        """
+        for law in self.used("Law2_ScGeom_ViscElPhys_Basic") if stage.shear_rate else ():
+            what = "ViscElPhys has the velocity of images in a sheared cell with the wrong sign"
+            which = "contacts across its sides are wrong, those of FrictPhys are not"
+            self.warnings[Note(f"{what}: {which}", None, self.at(law))] = None
 
     def contents(self, stage: Stage) -> Contents:
         """What a run has in its cell; factories make an unknown number of spheres."""
