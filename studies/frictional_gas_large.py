@@ -1,6 +1,6 @@
-"""A test of the law of the error with friction: the gases of frictional_gas.py, five times as many particles in a box, from
-the same starts under Newton's equations and as hard spheres under the rule law (see driver.py). Nothing of the law was
-fitted to these runs.
+"""A test of the law of the error with friction: the gases of frictional_gas.py, five times as many particles in a box,
+from the same starts under Newton's equations and as hard spheres under the rule law (see driver.py). Nothing of the
+law was fitted to these runs.
 """
 
 from __future__ import annotations
