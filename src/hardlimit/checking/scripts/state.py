@@ -732,13 +732,16 @@ class State(Reader):
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
         filling.read_box(self, (*statement.words, "", "")[2])
-        shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
-        numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
-        for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
-            if low is not None and high is not None and high > low:
-                self.edges[axis] = high - low
+        self.note_edges()
+
+    def note_edges(self) -> None:
+        """The edges of the box between its ends."""
+        self.edges |= {motion.AXES[k]: high - low for k, (low, high) in self.filling.box.items()}
 
     def command_change_box(self, statement: Statement) -> None:
+        if statement.words[2:3] == ("boundary",) and len(statement.words) == 6:
+            self.filling.boundary = statement.words[3:]
+            return
         kind, _ = motion.deformation(self, statement.words[2:])
         self.edges, self.filling.box = {}, {}
         if kind == "pressed":
@@ -853,6 +856,7 @@ class State(Reader):
         except (ValueError, IndexError):
             grains = []
         filling.read_data(self, text, grains, offset)
+        self.note_edges()
         batches = population.merged(iter(grains))
         if not batches:
             self.elsewhere(statement, "only atom style sphere is read")
