@@ -88,3 +88,12 @@ def test_two_scripts_that_write_the_file(folder):
     folder("in.again", FILL, count=10)
     verdict = hl.check(folder())
     assert verdict.state.pressure is None and "read_restart" in str(verdict.unknown)
+
+
+def test_the_weight_of_grains_in_a_fluid_is_said_to_be_that_without_it(folder):
+    """A fluid may carry a part of the weight, or add to it."""
+    dragged = folder(
+        model=f"{MODEL}fix cfd all couple/cfd couple_every 100 mpi\nfix f all couple/cfd/force\n"
+    )
+    assert "without the fluid" in hl.check(dragged).sentence
+    assert "without the fluid" not in hl.check(folder()).sentence

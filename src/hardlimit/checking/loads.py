@@ -70,6 +70,7 @@ class Around(NamedTuple):
     bed: dumps.Bed | None = None  #: of a dump or a system
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
+    fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
 
     @property
@@ -122,6 +123,8 @@ def load_of(
         layers=most_layers(stage.contents.count, around.dimension),
     )
     load = replace(load, **_pressure(stage, options, around, pressed))
+    if load.weight and around.fluid:
+        load = replace(load, origin=f"{load.origin}, without the fluid")
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt))
