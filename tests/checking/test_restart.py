@@ -84,6 +84,13 @@ def test_what_is_not_known_of_the_file_is_not_taken(folder, text):
     assert state.pressure is None or state.pressure_is_bound
 
 
+def test_units_are_those_of_the_file(folder):
+    without = folder(text=GO_ON.replace("units si\n", ""))
+    assert hl.check(without).state.pressure == pytest.approx(WEIGHT) and hl.check(without).units == "si"
+    other = folder(text=GO_ON.replace("units si", "units cgs"))
+    assert hl.check(other).state.pressure is None
+
+
 def test_two_scripts_that_write_the_file(folder):
     folder("in.again", FILL, count=10)
     verdict = hl.check(folder())

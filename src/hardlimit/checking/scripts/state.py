@@ -870,11 +870,12 @@ class State(Reader):
     def command_read_restart(self, statement: Statement) -> None:
         """The grains of a restart file are those of the script beside this one that writes it."""
         known = restart.find(self, (*statement.words, "")[1])
-        if known is None:
+        if known is None or (self.units_given and self.units != known[1].units):
             self.command_read_dump(statement)
             return
         writer, held = known
         self.units, self.units_given, self.dimension = held.units, True, held.dimension
+        self.variables.keywords["dt"] = self.time_step or TIME_STEPS[self.units]
         self.types, self.groups, self.edges = max(self.types, held.types), held.groups, held.edges
         self.population = held.population
         self.filling = replace(held.filling, regions=self.filling.regions, lattice=self.filling.lattice)
