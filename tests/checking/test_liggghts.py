@@ -259,7 +259,9 @@ def test_gravity_on_some_grains_is_quoted():
     """A plate of grains that alone has a weight; gravity on all moving grains, or on more, is no news."""
     two = SCRIPT.replace("atom_type 1 density constant 2600", "atom_type 2 density constant 2600")
     some = "group plate type 1\nfix g plate gravity 9.81 vector 0 0 -1\nfix move {} nve/sphere\nrun 100\n"
-    quoted = [quote.text for quote in read(f"{two}{some.format('all')}").unknown]
+    part = read(f"{two}{some.format('all')}")
+    quoted = [quote.text for quote in part.unknown]
+    assert part.stages[0].gravity is None
     assert any("fix g" in text and "other grains have no gravity" in text for text in quoted)
     assert not any("fix g" in quote.text for quote in read(f"{two}{some.format('plate')}").unknown)
 

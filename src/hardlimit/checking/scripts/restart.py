@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 #: Most files of a folder in which the script is looked for, their largest size in bytes, the most commands of one that
 #: are read, and the most scripts of which each reads what the one before writes.
-MOST_FILES: Final = 200
+MOST_FILES: Final = 1000
 LARGEST: Final = 200_000
 MOST_COMMANDS: Final = 10_000
 DEEPEST: Final = 3
@@ -43,7 +43,7 @@ class Wanted:
 
     path: str
     depth: int = 1
-    found: Restart | None = None
+    contents: Restart | None = None
     understood: bool = True
 
 
@@ -61,7 +61,7 @@ def written(state: State, name: str) -> None:
     wanted.understood = not (state.unknown or state.population.elsewhere or tied)
     filling = copy.deepcopy(state.filling)
     filling.insertions, filling.heat, filling.drifts, filling.velocities_known = [], [], {}, False
-    wanted.found = Restart(
+    wanted.contents = Restart(
         state.units,
         state.dimension,
         state.types,
@@ -72,15 +72,23 @@ def written(state: State, name: str) -> None:
     )
 
 
+def files_in(folder: Path) -> list[Path]:
+    """The small files of a folder; none if it cannot be read."""
+    try:
+        with os.scandir(folder) as entries:
+            small = [entry.path for entry in entries if entry.is_file() and entry.stat().st_size <= LARGEST]
+    except OSError:
+        return []
+    return [Path(path) for path in sorted(small)[:MOST_FILES]]
+
+
 def find(state: State, name: str) -> tuple[str, Restart] | None:
     """The name of the only script in the folder that writes this file, and what the file holds; None without one."""
     depth = 1 if state.wanted is None else state.wanted.depth + 1
     if state.folder is None or "*" in name or depth > DEEPEST:
         return None
-    found = []
-    for file in sorted(state.folder.iterdir())[:MOST_FILES]:
-        if not file.is_file() or file.stat().st_size > LARGEST:
-            continue
+    writers = []
+    for file in files_in(state.folder):
         text = text_of(file) or ""
         writes = [line for line in text.splitlines() if line.split()[:1] == ["write_restart"]]
         if not any("$" in line or os.path.basename(name) in line for line in writes):
@@ -92,8 +100,8 @@ def find(state: State, name: str) -> tuple[str, Restart] | None:
             other.read(commands)
         except ValueError:  # not a script, or one of which not all is known
             continue
-        if wanted.found is not None:
-            found.append((file.name, wanted))
-    if len(found) != 1 or not found[0][1].understood or found[0][1].found is None:
+        if wanted.contents is not None:
+            writers.append((file.name, wanted))
+    if len(writers) != 1 or not writers[0][1].understood or writers[0][1].contents is None:
         return None
-    return found[0][0], found[0][1].found
+    return writers[0][0], writers[0][1].contents

@@ -873,12 +873,12 @@ class State(Reader):
         if known is None or (self.units_given and self.units != known[1].units):
             self.command_read_dump(statement)
             return
-        writer, held = known
-        self.units, self.units_given, self.dimension = held.units, True, held.dimension
+        writer, file = known
+        self.units, self.units_given, self.dimension = file.units, True, file.dimension
         self.variables.keywords["dt"] = self.time_step or TIME_STEPS[self.units]
-        self.types, self.groups, self.edges = max(self.types, held.types), held.groups, held.edges
-        self.population = held.population
-        self.filling = replace(held.filling, regions=self.filling.regions, lattice=self.filling.lattice)
+        self.types, self.groups, self.edges = max(self.types, file.types), file.groups, file.edges
+        self.population = file.population
+        self.filling = replace(file.filling, regions=self.filling.regions, lattice=self.filling.lattice)
         what = f"the grains of the restart file are taken as {writer} makes them, which writes it"
         self.warnings[Note(what, None, statement.quote)] = None
 
@@ -1081,6 +1081,7 @@ class State(Reader):
                 moving = {kind for kind in self.present() if not self.frozen(kind)}
                 if pulled is not None and not moving <= pulled:
                     self.quote_with(fix.statement, "other grains have no gravity")
+                    return []
             return fixes
         groups = [self.members(fix.group).types for fix in fixes]
         known = [group for group in groups if group is not None]
