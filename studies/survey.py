@@ -36,7 +36,8 @@ SPHERES: Final = re.compile(
 OTHERS: Final = re.compile(
     r"Polyhedra|Potential(Block|Particle)|[lL]evelSet|GridCo|[pP][fF]acet|Lubrication|SPHEngine|FoamCoupling"
     r"|Ip2_(?!FrictMat_FrictMat_(Mindlin|Frict)Phys|ViscElMat_ViscElMat_ViscElPhys|CohFrictMat_CohFrictMat_CohFrict)"
-    r"|superquadric|convexhull|pair_style\s+sph|(IGeom|IPhys|Geometry|Physics|Constitutive)\w*Dispatcher"
+    r"|superquadric|convexhull|pair_style\s+sph|bond_style\s+(?!none|zero)|cohesion\s+bond"
+    r"|(IGeom|IPhys|Geometry|Physics|Constitutive)\w*Dispatcher"
 )
 
 

@@ -422,6 +422,10 @@ def test_the_number_of_grains_gives_the_weight():
     assert walled.state.pressure_is_bound and walled.state.pressure == pytest.approx(0.63 * 2500 * 9.81)
     assert "at most 15.5 kPa (a box of 1 m of grains at φ = 0.63): κ_p ≥ 3.2e3" in walled.sentence
     assert not state(bed, height=1.0).pressure_is_bound
+    # More grains than have a place in the box: the full box.
+    crowd = hl.check(bed.replace("random 1000000", "random 1000000000"))
+    assert crowd.state.pressure == pytest.approx(0.63 * 2500 * 9.81) and crowd.state.pressure_is_bound
+    assert "a box of 1 m of grains" in crowd.sentence
 
 
 def plane(name, *ends):
@@ -466,10 +470,18 @@ def test_the_weight_on_the_floor_of_a_container(seed):
     # A slope that ends at walls, two tubes, a partition, and no side walls: the floor is not known.
     inner = plane("inner", "zcylinder", 0.5 * radius)
     middle = plane("middle", "xplane", 0.5 * across[0], "NULL")
-    for lines in (slope, x, y), (fall, tube, inner), (fall, x, y, middle), (fall, x):
+    for lines in (fall, tube, inner), (fall, x, y, middle), (fall, x):
         pressure = bed("f f f", *lines).pressure
         assert pressure is None or pressure == pytest.approx(0.63 * 2500.0 * gravity, rel=0.01)
-    assert bed("p p f", fall, count=1000).pressure is None  # less than a layer
+    # A box that is tilted by at most 10° is as deep as from its highest corner to its lowest, which is a bound.
+    leaning, tilt = bed("f f f", slope, x, y), math.radians(angle)
+    deepest = math.cos(tilt) + across[0] * math.sin(tilt)
+    full = 0.63 * 2500.0 * gravity * math.cos(tilt) * deepest
+    assert leaning.pressure == (pytest.approx(full) if angle < 9.9 else None)
+    # Less than a layer: the weight in a column through the top of a cone of 45°, V = π h³/3.
+    few = bed("p p f", fall, count=1000)
+    height = (1000 * BEAD.mass / 2500.0 / 0.63 * 3.0 / math.pi) ** (1.0 / 3.0)
+    assert few.pressure == pytest.approx(0.63 * 2500.0 * gravity * height) and few.pressure_is_bound
     # Grains that do not move do not press, but may carry.
     base = bed(
         "p p f", fall, "group base type 2\nfix hold base freeze", base="create_atoms 2 random 500 3 box"

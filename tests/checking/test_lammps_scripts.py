@@ -893,3 +893,22 @@ def test_elif_has_no_then():
         "else 'variable k equal 3e5'\npair_coeff * * hooke $k 0.5\n"
     )
     assert normal(BASE + lines)[1] == "200000"
+
+
+def test_edges_of_the_box(tmp_path):
+    """In units of a lattice, from a data file, and after a change of the boundaries alone."""
+    head = "units lj\natom_style sphere\nlattice sc 1.0\n"
+    created = "region box block 0 4 0 5 0 6\ncreate_box 1 box\ncreate_atoms 1 single 1 1 1\n"
+    run = "pair_style gran/hooke 1e4 NULL 10 NULL 0 0\npair_coeff * *\nfix move all nve/sphere\nrun 1\n"
+
+    def edges(text):
+        (tmp_path / "in.box").write_text(f"{text}{run}", encoding="utf-8")
+        return read(tmp_path / "in.box").stages[-1].edges
+
+    assert edges(head + created) == (4.0, 5.0, 6.0)
+    assert edges(head.replace("sc 1.0", "sc 0.125") + created) == (8.0, 10.0, 12.0)
+    assert edges(f"{head}{created}change_box all boundary p p f\n") == (4.0, 5.0, 6.0)
+    assert edges(f"{head}{created}change_box all x final 0 3\n") == (None, None, None)
+    data = "\n\n1 atoms\n1 atom types\n0 2 xlo xhi\n0 3 ylo yhi\n-1 3 zlo zhi\n\nAtoms # sphere\n\n1 1 1.0 1.0 1 1 1\n"
+    (tmp_path / "data.grains").write_text(data, encoding="utf-8")
+    assert edges("units lj\natom_style sphere\nread_data data.grains\n") == (2.0, 3.0, 4.0)

@@ -253,3 +253,30 @@ def test_what_is_unknown_is_quoted():
     description = read(SCRIPT + "\n".join(lines) + "\nrun 1\n")
     assert [quote.text for quote in description.unknown] == lines
     assert description.stages[0].contacts == () and description.stages[0].grains["1"].radii is None
+
+
+def test_gravity_on_some_grains_is_quoted():
+    """A plate of grains that alone has a weight; gravity on all moving grains, or on more, is no news."""
+    two = SCRIPT.replace("atom_type 1 density constant 2600", "atom_type 2 density constant 2600")
+    some = "group plate type 1\nfix g plate gravity 9.81 vector 0 0 -1\nfix move {} nve/sphere\nrun 100\n"
+    part = read(f"{two}{some.format('all')}")
+    quoted = [quote.text for quote in part.unknown]
+    assert part.stages[0].gravity is None
+    assert any("fix g" in text and "other grains have no gravity" in text for text in quoted)
+    assert not any("fix g" in quote.text for quote in read(f"{two}{some.format('plate')}").unknown)
+
+
+def test_a_loop_that_deforms_alike_is_one_run():
+    """Thousands of runs of a servo: the same stage as one run, with the steps of all."""
+    loop = """
+variable k loop 2000
+label again
+fix squeeze all deform 1 z erate -0.1
+run 10
+next k
+jump SELF again
+"""
+    (stage,) = read(SCRIPT + loop).stages
+    assert stage.steps == 20_000 and len(stage.pressed) == 1
+    changed = loop.replace("-0.1", "-0.${k}").replace("2000", "3")
+    assert len(read(SCRIPT + changed).stages) == 3

@@ -126,6 +126,14 @@ def test_no_bed_is_higher_than_where_its_grains_are_made(bodies, height):
     assert ("in one stack" if "range" in bodies else "to where spheres are made") in said.pressure_from
 
 
+def test_too_few_grains_for_a_layer_are_a_heap():
+    """Below the top of a cone of 45° with the volume of the bed: V = π h³/3."""
+    said = state(BOX + IN_BOX.format(", num=100"))
+    height = (100 * 4e-9 / 0.59) ** (1.0 / 3.0)
+    assert said.pressure == pytest.approx(0.59 * 2500 * 9.81 * height) and said.pressure_is_bound
+    assert "heap of 100 grains" in said.pressure_from
+
+
 CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
 
 
@@ -139,13 +147,12 @@ CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
     (FILLED.replace("(0.01, 0.01, 0.05), w", "(0.01, float(input()), 0.05), w"), "", ""),
     (FILLED + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),
     (FILLED + "O.bodies.append(ymport.text('spheres.txt'))\n", "", ""),
-    (BOX + IN_BOX.format(", num=100"), "", ""),
     (BOX + "O.bodies.append(pack.regularHexa(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", "", ""),
     (FILLED, "\n    HydroForceEngine(ids=[7]),", ""),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 9)])\n", "", ""),
 ])  # fmt: skip
 def test_there_is_no_pressure_where_something_is_not_known(bodies, engine, end):
-    """Callbacks that add or move bodies, walls that move, forces, a turned box, files; dense or few grains."""
+    """Callbacks that add or move bodies, walls that move, forces, a turned box, files; dense packings."""
     assert state(FILLED).pressure is not None
     assert state(bodies, engine=engine, end=end).pressure is None
 

@@ -517,8 +517,8 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
     supports = [drive.support(stage) for stage in script.stages]
     chosen = any(system.at for system in systems)
     final = next(system for system in systems if system.last is last)
-    barostat = any("barostat" in note.what for note in script.invalidates)
-    grains = _held_in_script(final, frames, states, barostat)
+    others = " ".join(note.what for note in script.invalidates)
+    grains = _held_in_script(final, frames, states, others)
     final = replace(final, question=_flowing(final.question, grains, bool(last.gravity)))
     systems = [final if system.last is last else system for system in systems]
     invalidates = [_finding(note) for note in script.invalidates]
@@ -935,9 +935,9 @@ def _stage(number: int, stage: Stage, support: drive.Support) -> CheckedStage:
 
 
 def _held_in_script(
-    final: System, frames: Sequence[dumps.Frame], states: Sequence[dumps.State], barostat: bool
+    final: System, frames: Sequence[dumps.Frame], states: Sequence[dumps.State], others: str
 ) -> GrainState:
-    """How the grains of the last run are held together, in SI units."""
+    """How the grains of the last run are held together, in SI units. ``others``: what else acts on them, in words."""
     stage = final.last
     examined = {id(case): case for case, _ in final.examined}
     newest = max((case.stage for case in examined.values()), default=0)
@@ -953,7 +953,8 @@ def _held_in_script(
         kinds=dumps.kinds(frames[-1], _radii(stage), fixed) if frames else (),
         bed=bed,
         lasting=_contacts_last([row for _, row in final.examined], states),
-        barostat=barostat,
+        barostat="barostat" in others,
+        fluid=any(words in others for words in ("fluid", "buoyancy")),
     )
     grains = _held(stage, drive.support(stage), final.options, around)
     return _contact_of_few(grains, final, around)

@@ -28,8 +28,8 @@ BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
 LEAST: Final = 2.0
-#: Cosine of the angle up to which gravity is along an axis.
-ALONG: Final = 1.0 - 1e-9
+#: Cosine of 10°, up to which a box stands upright, and the largest component of gravity across it that counts as none.
+UPRIGHT, LEVEL = 0.985, 1e-9
 
 
 class LoadOptions(NamedTuple):
@@ -70,6 +70,7 @@ class Around(NamedTuple):
     bed: dumps.Bed | None = None  #: of a dump or a system
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
+    fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
 
     @property
@@ -122,6 +123,8 @@ def load_of(
         layers=most_layers(stage.contents.count, around.dimension),
     )
     load = replace(load, **_pressure(stage, options, around, held))
+    if load.weight and around.fluid:
+        load = replace(load, origin=f"{load.origin}, without the fluid")
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt))
@@ -168,12 +171,18 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
     density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
     if options.height is None and _less_than_a_layer(contents, around.dimension):
-        return {}
+        if density is None or not contents.filled:
+            return {}
+        pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
+        origin = f"below a heap of {contents.count:.0f} grains at 45°, as they do not cover the floor"
+        return {"pressure": pressure, "origin": origin, "weight": True, "bound": True}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
         pressure = weight(contents.filled / contents.floor, density, gravity)
         origin = f"below {count} on the floor of the box"
-        return {"pressure": pressure, "origin": origin, "weight": True, "bound": contents.walled}
+        full = _height(stage)
+        if full is None or contents.filled / contents.floor <= phi * full:
+            return {"pressure": pressure, "origin": origin, "weight": True, "bound": contents.walled}
     edge = _height(stage) or contents.height
     height = edge if options.height is None else options.height
     if height is None or density is None:
@@ -195,10 +204,19 @@ def _less_than_a_layer(contents: Contents, dimension: int) -> bool:
     return contents.filled < LAYER * 2.0 * radius * contents.floor
 
 
+def heap(volume: float, dimension: int) -> float:
+    """Height of a cone, in two dimensions of a triangle, with slopes of 45°; few grains rest on steeper ones."""
+    return (3.0 * volume / math.pi) ** (1.0 / 3.0) if dimension == 3 else math.sqrt(volume)
+
+
 def _height(stage: Stage) -> float | None:
-    """The edge of the box along gravity."""
-    axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
-    return stage.edges[axes[0]] if axes else None
+    """The extent of the box along gravity if it stands upright; None if it does not, or is not known."""
+    down = stage.down or ()
+    if max(map(abs, down), default=0.0) < UPRIGHT:
+        return None
+    parts = [(abs(part), edge) for part, edge in zip(down, stage.edges, strict=False) if abs(part) > LEVEL]
+    known = [part * edge for part, edge in parts if edge is not None]
+    return math.fsum(known) if len(known) == len(parts) else None
 
 
 def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:

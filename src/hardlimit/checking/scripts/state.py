@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final, Self
 
 from ...support.formatting import listed
-from . import conditions, filling, motion, population
+from . import conditions, filling, motion, population, restart
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
 from .description import (
     WALL,
@@ -108,7 +108,7 @@ ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS: Final = names("""
 variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
-changed_since undefined forks system unclear steps_done regions fixes time_step filling
+changed_since undefined forks system unclear steps_done regions fixes time_step filling wanted
 """)
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
@@ -169,6 +169,7 @@ class State(Reader):
     code: str = "lammps"
     types_seen: int = 0  #: largest type in a dump
     part: bool = False  #: whether this is a part of a script, at whose end the settings matter
+    wanted: restart.Wanted | None = None  #: the restart file whose contents are asked for
 
     def __post_init__(self) -> None:
         self.begin()
@@ -241,6 +242,8 @@ class State(Reader):
     def statement(self, statement: Statement) -> None:
         """Read one statement."""
         command = statement.words[0]
+        if self.deforms_already(statement):
+            return
         self.changed_since = self.changed_since or (command != "run" and command not in HARMLESS)
         own = getattr(self, f"command_{command}", None)
         if own is not None:
@@ -250,6 +253,11 @@ class State(Reader):
                 self.missing(error.statement)
         elif command not in HARMLESS:
             self.unknown[statement.quote] = None
+
+    def deforms_already(self, statement: Statement) -> bool:
+        """Whether a ``fix deform`` goes on as it is, as in loops of servo controls, which have thousands of runs."""
+        active = self.fixes.get((*statement.words, "")[1]) if statement.words[0] == "fix" else None
+        return active is not None and active.style == "deform" and active.statement.words == statement.words
 
     def missing(self, statement: Statement) -> None:
         """Note the variables of a statement that have no value."""
@@ -723,13 +731,16 @@ class State(Reader):
     def command_create_box(self, statement: Statement) -> None:
         self.types = max(self.types, min(self.type_of((*statement.words, "")[1]), MAX_TYPES))
         filling.read_box(self, (*statement.words, "", "")[2])
-        shape, *ends = (*self.regions.get((*statement.words, "", "")[2], ()), "")
-        numbers = [self.coefficient(word) for word in ends[:6]] if shape in ("block", "prism") else []
-        for axis, low, high in zip("xyz", numbers[::2], numbers[1::2], strict=False):
-            if low is not None and high is not None and high > low:
-                self.edges[axis] = high - low
+        self.note_edges()
+
+    def note_edges(self) -> None:
+        """The edges of the box between its ends."""
+        self.edges |= {motion.AXES[k]: high - low for k, (low, high) in self.filling.box.items()}
 
     def command_change_box(self, statement: Statement) -> None:
+        if statement.words[2:3] == ("boundary",) and len(statement.words) == 6:
+            self.filling.boundary = statement.words[3:]
+            return
         kind, _ = motion.deformation(self, statement.words[2:])
         self.edges, self.filling.box = {}, {}
         if kind == "pressed":
@@ -844,6 +855,7 @@ class State(Reader):
         except (ValueError, IndexError):
             grains = []
         filling.read_data(self, text, grains, offset)
+        self.note_edges()
         batches = population.merged(iter(grains))
         if not batches:
             self.elsewhere(statement, "only atom style sphere is read")
@@ -851,10 +863,26 @@ class State(Reader):
             if 1 <= kind + offset <= MAX_TYPES:
                 self.population.add(kind + offset, batch)
 
-    def command_read_restart(self, statement: Statement) -> None:
-        self.elsewhere(statement, "such files are not read")
+    def command_write_restart(self, statement: Statement) -> None:
+        restart.written(self, (*statement.words, "")[1])
 
-    command_read_dump = command_read_restart
+    def command_read_restart(self, statement: Statement) -> None:
+        """The grains of a restart file are those of the script beside this one that writes it."""
+        known = restart.find(self, (*statement.words, "")[1])
+        if known is None or (self.units_given and self.units != known[1].units):
+            self.command_read_dump(statement)
+            return
+        writer, file = known
+        self.units, self.units_given, self.dimension = file.units, True, file.dimension
+        self.variables.keywords["dt"] = self.time_step or TIME_STEPS[self.units]
+        self.types, self.groups, self.edges = max(self.types, file.types), file.groups, file.edges
+        self.population = file.population
+        self.filling = replace(file.filling, regions=self.filling.regions, lattice=self.filling.lattice)
+        what = f"the grains of the restart file are taken as {writer} makes them, which writes it"
+        self.warnings[Note(what, None, statement.quote)] = None
+
+    def command_read_dump(self, statement: Statement) -> None:
+        self.elsewhere(statement, "such files are not read")
 
     def command_set(self, statement: Statement) -> None:
         words = statement.words
@@ -1047,6 +1075,12 @@ class State(Reader):
         """The fixes of gravity that act together. Grains of other groups may have equal ones."""
         fixes = [fix for fix in self.fixes.values() if fix.style == "gravity" and fix.words]
         if len({fix.group for fix in fixes}) < 2:
+            for fix in fixes:
+                pulled = self.members(fix.group).types
+                moving = {kind for kind in self.present() if not self.frozen(kind)}
+                if pulled is not None and not moving <= pulled:
+                    self.quote_with(fix.statement, "other grains have no gravity")
+                    return []
             return fixes
         groups = [self.members(fix.group).types for fix in fixes]
         known = [group for group in groups if group is not None]

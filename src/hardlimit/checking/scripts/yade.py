@@ -735,7 +735,7 @@ class Yade(Reader, Evaluator):
         body.ends = None if body.frozen else self.made_ends(instance)
         instance.made.append(body)
         if centre is not None and not body.frozen:
-            self.filling.places.append((centre, centre))
+            self.filling.places.append((centre, centre, radius[0] if radius else 0.0))
 
     def made_ends(self, instance: Instance) -> Ends | None:
         """Between which ends a sphere is made, or all spheres of the SpherePack over which a loop runs."""

@@ -29,7 +29,8 @@ class YadeFilling:
     census: census.Census = field(default_factory=census.Census)
     cell: tuple[float, ...] | None = None  #: edges of the periodic cell
     periodic: bool = False
-    places: list[tuple[Direction, Direction]] = field(default_factory=list)  #: where spheres are made
+    #: Where centres of spheres are made, and their radius; of a cloud, its corners and 0.
+    places: list[tuple[Direction, Direction, float]] = field(default_factory=list)
     #: Ends of walls, boxes and facets.
     floors: list[tuple[Direction, Direction]] = field(default_factory=list)
     velocities: dict[int, Direction] = field(default_factory=dict)  #: of single bodies
@@ -93,7 +94,7 @@ def cloud(filling: YadeFilling, pack: Instance, instance: Instance) -> float | N
     """The number of spheres of ``makeCloud``, and where they are."""
     corners = corners_of(instance)
     if corners[0] is not None and corners[1] is not None:
-        filling.places.append((corners[0], corners[1]))
+        filling.places.append((corners[0], corners[1], 0.0))
         if instance.argument(5, "periodic", False) in (True, 1):
             pack.attributes["cell"] = tuple(b - a for a, b in zip(*corners, strict=True))
     number = instance.argument(4, "num", -1)
@@ -152,7 +153,7 @@ def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
     if along is None or not stage.gravity:
         return
     k, sign = along
-    tops = [max(sign * low[k], sign * high[k]) for low, high in filling.places]
+    tops = [max(sign * low[k], sign * high[k]) - radius for low, high, radius in filling.places]
     ends = [max(sign * low[k], sign * high[k]) for low, high in filling.floors]
     for top in tops:
         below = [end for end in ends if end < top]
