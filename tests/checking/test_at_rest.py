@@ -740,13 +740,20 @@ def test_a_flow_asks_for_what_its_inertial_number_needs(options, words):
 
 
 def test_a_flow_asks_for_its_shear_rate_and_its_pressure():
+    """A hundred grains in the box have a bound of their pressure; without grains nothing is known of it."""
     belt = script(CLIPPED, FALL, SHEARED)
-    for options, words in (
-        ({"height": 0.1}, "--shear, of the flowing layer, gives the inertial number."),
-        ({}, "--shear, of the flowing layer, and --pressure give the inertial number."),
-        ({"shear_rate": 5.0}, "--pressure gives the inertial number."),
+    empty = belt.replace("create_atoms 1 random 100 7 box\n", "")
+    for text, options, words in (
+        (belt, {"height": 0.1}, "--shear (of the flowing layer) gives the inertial number."),
+        (belt, {}, "--shear (of the flowing layer) gives the inertial number."),
+        (belt, {"shear_rate": 5.0}, "--pressure gives its own."),
+        (
+            empty,
+            {},
+            "--shear (of the flowing layer), --pressure, --radius and --density give the inertial number.",
+        ),
     ):
-        assert words in hl.check(belt, **options).sentence
+        assert words in hl.check(text, **options).sentence
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from ..contact import compression
-from ..support.formatting import digits, length, percent, quantity
+from ..support.formatting import digits, length, listed, percent, quantity
 from . import flows
 from .answer import stiffness
 from .at_rest import LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
@@ -51,8 +51,8 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
 def _needed(state: GrainState) -> str:
     """The options that would give the inertial number of a flow."""
     options = [f"--{name}" for name in (state.inertial_number_needs or "").split(" and ")]
-    options = ["--shear, of the flowing layer," if name == "--shear" else name for name in options]
-    return f"{' and '.join(options)} {'gives' if len(options) == 1 else 'give'} the inertial number"
+    options = ["--shear (of the flowing layer)" if name == "--shear" else name for name in options]
+    return f"{listed(options)} {'gives' if len(options) == 1 else 'give'} the inertial number"
 
 
 def _inertial(state: GrainState) -> str:
