@@ -21,6 +21,8 @@ public:
     using Base = TurningStates<Normal>;
     static constexpr double tolerance = 1e-13;   // of one step
     static constexpr double longest_step = 0.2;  // in τ
+    static constexpr double first_step =
+        0.05;  // short: forces that begin at zero change fast beside each other
     static constexpr int most_steps = 100'000;
     static constexpr int most_changes = 1000;
 
@@ -101,7 +103,7 @@ private:
     using Base::motion_, Base::result_;
     double begin_[n], end_[n], slope_[n], scale_[m];
     double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
-    double h_ = longest_step, implicit_h_ = longest_step, length_ = 0.0;
+    double h_ = first_step, implicit_h_ = first_step, length_ = 0.0;
     bool implicit_ = false;
     int followed_ = 0;
     double drift_ = 0.0;  // by which the rate of slip is too small after T has followed its limit
