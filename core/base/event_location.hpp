@@ -49,6 +49,22 @@ bool falls_to_zero(const EventFunction& start, const EventFunction& end, bool di
     return !(disarmed && start.smooth_slope >= 0.0 && end.smooth_slope >= 0.0);
 }
 
+// The same with the function at `middle`, which may be an estimate.
+template <class At>
+bool falls_to_zero(const EventFunction& start, EventFunction between, const EventFunction& end, bool disarmed,
+                   double middle, double& high, const At& at) {
+    if (!(between.value > 0.0)) between = at(middle);
+    double reached = middle;
+    if (!falls_to_zero(start, between, disarmed, reached, at)) {
+        reached = high - middle;
+        const auto from_middle = [&](double x) { return at(middle + x); };
+        if (!falls_to_zero(between, end, false, reached, from_middle)) return false;
+        reached += middle;
+    }
+    high = reached;
+    return true;
+}
+
 // First zero in (0, high], where the function is not positive at `high`: Newton's method in a bracket. The caller holds
 // the state at `at`, whose function is value(); move(at, next) moves the state; close(f, at, next): whether the
 // state is close enough to the zero. Returns where the state is.

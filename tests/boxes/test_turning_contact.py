@@ -179,6 +179,12 @@ def test_series_against_the_general_method(tmp_path: Path) -> None:
     assert near_the_end < 1e-8
 
 
+def test_clusters_of_two_spheres(tmp_path: Path) -> None:
+    """400 contacts of a viscoelastic law with all models of Mindlin: those that slip and stick again at once too."""
+    compared, unresolved, largest = map(float, output_of("boxes/turning_cluster.cpp", tmp_path).split())
+    assert compared > 390 and unresolved == 0 and largest < 1e-9
+
+
 class Driven(Motion):
     """Surfaces that a history, which grows with the contact radius, drives along their velocity with μ F_n."""
 

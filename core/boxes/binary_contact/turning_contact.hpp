@@ -21,6 +21,8 @@ public:
     using Base = TurningStates<Normal>;
     static constexpr double tolerance = 1e-13;   // of one step
     static constexpr double longest_step = 0.2;  // in τ
+    static constexpr double first_step =
+        0.05;  // short: forces that begin at zero change fast beside each other
     static constexpr int most_steps = 100'000;
     static constexpr int most_changes = 1000;
 
@@ -101,7 +103,7 @@ private:
     using Base::motion_, Base::result_;
     double begin_[n], end_[n], slope_[n], scale_[m];
     double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
-    double h_ = longest_step, implicit_h_ = longest_step, length_ = 0.0;
+    double h_ = first_step, implicit_h_ = first_step, length_ = 0.0;
     bool implicit_ = false;
     int followed_ = 0;
     double drift_ = 0.0;  // by which the rate of slip is too small after T has followed its limit
@@ -228,41 +230,75 @@ private:
             const auto f = motion_.units().end_surface(y, dy);
             return simple(f.value, f.slope);
         }
-        const auto value = [&](const double* at) {
-            if (motion_.follows) {
-                const double part = motion_.damping_part(at, motion_.now(at));
-                return event == Event::slips ? math::min(part, 10.0) : math::max(1.0 - part, -10.0);
-            }
-            return event == Event::slips ? motion_.grip(at) : motion_.slipping(at) + drift_;
-        };
-        const double difference = 1e-5 * length_, here = value(y);
+        const double difference = 1e-5 * length_;
         double near[n];
         for (int c = 0; c < n; ++c) near[c] = y[c] + difference * dy[c];
-        return simple(here, (value(near) - here) / difference);
+        const Change here = change(event, y), then = change(event, near);
+        return {here.value, (then.value - here.value) / difference, here.smooth,
+                (then.smooth - here.smooth) / difference};
     }
     static EventFunction simple(double value, double slope) { return {value, slope, value, slope}; }
+
+    // What is positive until the surfaces change, and a smooth function of the same sign. In the first step, where all
+    // forces may begin at zero, the latter is divided by powers of the normal force.
+    struct Change {
+        double value, smooth;
+    };
+    Change change(Event event, const double* y) const {
+        const auto now = motion_.now(y);
+        if (motion_.follows) {
+            const double part = motion_.damping_part(y, now);
+            const double value = event == Event::slips ? math::min(part, 10.0) : math::max(1.0 - part, -10.0);
+            return {value, value};
+        }
+        const double limit = motion_.limit(now);
+        const bool first = begin_[M::root_depth] == 0.0 && limit > 0.0;
+        if (event == Event::slips) {
+            const Tangential force = motion_.limited(y, now);
+            const double square = limit * limit, smooth = square - force * force;
+            return {limit - force.length(), first ? smooth / square : smooth};
+        }
+        const double excess = motion_.slipping(y) + drift_;
+        return {excess, first ? excess * y[M::root_depth] / limit : excess};
+    }
 
     EventFunction probe(Event event, double x) {
         advance(x);
         motion_(end_, slope_);
         return function(event, end_, slope_);
     }
+    // The function at a part of the step just taken, from the cubic polynomials of the state.
+    EventFunction estimate(Event event, double part) const {
+        const double rest = 1.0 - part, moved = part * part * (3.0 - 2.0 * part);
+        const double first = rest * rest * part * length_, last = -part * part * rest * length_;
+        const double fast = 6.0 * part * rest / length_;
+        const double first_rate = rest * (1.0 - 3.0 * part), last_rate = part * (3.0 * part - 2.0);
+        double y[n] = {}, dy[n] = {};
+        for (int c = 0; c < M::turn; ++c) {
+            const double change = end_[c] - begin_[c];
+            y[c] = begin_[c] + moved * change + first * stages_[c] + last * slope_[c];
+            dy[c] = fast * change + first_rate * stages_[c] + last_rate * slope_[c];
+        }
+        return function(event, y, dy);
+    }
 
     // Whether a change of stick and slip occurs in the step; end_ moves to a point beyond it.
     bool occurs(Event change) {
-        const EventFunction after = function(change, end_, slope_);
-        double slope[n];
-        motion_(begin_, slope);
-        const EventFunction before = function(change, begin_, slope);
-        if (begin_[M::root_depth] == 0.0 && !(before.value > 0.0)) return after.value <= 0.0;
-        const bool disarmed = last_ != Event::none && last_ != Event::turns;
-        if (disarmed && !(before.value > 0.0) && after.value > 0.0)
-            return false;  // rounding at the event before
-        double high = length_;
         const double whole = length_;
-        const bool falls =
-            falls_to_zero(before, after, disarmed, high, [&](double x) { return probe(change, x); });
-        if (length_ != (falls ? high : whole)) probe(change, falls ? high : whole);
+        const EventFunction after = function(change, end_, slope_);
+        EventFunction before = function(change, begin_, stages_);
+        if (begin_[M::root_depth] == 0.0 && !(before.value > 0.0)) {  // all forces begin at zero
+            before = estimate(change, 1e-6);
+            if (!(before.value > 0.0)) return after.value <= 0.0;
+        }
+        const EventFunction between = motion_.follows ? after : estimate(change, 0.5);
+        const bool disarmed = last_ != Event::none && last_ != Event::turns;
+        if (disarmed && !(before.value > 0.0) && between.value > 0.0)
+            before.smooth_slope = 0.0;  // rounding at the event before
+        const auto at = [&](double x) { return probe(change, x); };
+        double high = whole;
+        const bool falls = falls_to_zero(before, between, after, disarmed, 0.5 * whole, high, at);
+        if (length_ != high) probe(change, high);
         return falls;
     }
 

@@ -523,7 +523,8 @@ private:
         const auto f = slope(N_, t);
         return simple(f.value, f.slope);
     }
-    // Positive until the surfaces begin to slip, or to stick. Divided by t if both forces are zero at the start.
+    // Positive until the surfaces begin to slip, or to stick. Divided by t if both forces are zero at the start; in the
+    // first step, where they may be small, dips are sought of the function over μ F_n.
     EventFunction holding(double t) const {
         const double mu = motion_.friction().coefficient;
         if (!motion_.slips) {
@@ -533,7 +534,11 @@ private:
             const double size = length_of(limited.value);
             const double growth =
                 size > 0.0 ? dot(limited.value, limited.slope) / size : length_of(limited.slope);
-            return simple(mu * force.value - size, mu * force.slope - growth);
+            const EventFunction grip = simple(mu * force.value - size, mu * force.slope - growth);
+            if (X_[0] != 0.0 || !(force.value > 0.0)) return grip;
+            const double part = size / (mu * force.value);
+            return {grip.value, grip.slope, 1.0 - part,
+                    (part * mu * force.slope - growth) / (mu * force.value)};
         }
         const auto drive = slope(h_, t, 0, order - 1);
         Slope<Two> f{f_[0], Two{}};

@@ -55,15 +55,19 @@ struct EventSearch {
     {
         Integrator& in = integrator;
         const bool fresh = is_fresh(const_cast<ContactPair<Law>&>(network.pairs[pair]), kind);
-        const EventFunction a = in_surfaces(pair, kind, state.y, in.slope, length);
+        EventFunction a = in_surfaces(pair, kind, state.y, in.slope, length);
         const EventFunction b = in_surfaces(pair, kind, in.end, in.end_slope, length);
+        const bool changes = kind != ContactEvent::turns;
+        if (changes && begins(pair))  // all forces may begin at zero
+            if (const EventFunction soon = estimate(pair, kind, 1e-3, length); soon.value > 0.0) a = soon;
+        const EventFunction between = changes ? estimate(pair, kind, 0.5, length) : b;
         const auto at_trial = [&] { return in_surfaces(pair, kind, in.trial, in.trial_slope, length); };
         const auto at = [&](double x) {
             in.probe(f, state, x);
             return at_trial();
         };
         double high = length;
-        if (!falls_to_zero(a, b, fresh, high, at)) return false;
+        if (!falls_to_zero(a, between, b, fresh, 0.5 * length, high, at)) return false;
         const double whole = length, guess = fresh ? 0.5 * high : first_guess(a, b, whole, high);
         in.probe(f, state, guess);
         // Within the rounding error of the positions the forces are not resolved.
@@ -105,22 +109,56 @@ private:
         return event_function(Snapshot<Law>{network, state.layout, y.data()}, slope.data(), pair, kind);
     }
 
-    // The slope is that of a difference.
+    // The slopes are those of differences.
     EventFunction in_surfaces(int pair, ContactEvent kind, const WorkVector<double>& y,
                               const WorkVector<double>& slope, double length) const
         requires FrictionalLaw<Law>
     {
-        const double value =
-            surface_value(Snapshot<Law>{network, state.layout, y.data()}, slope.data(), pair, kind);
+        const SurfaceValue here = value_in_surfaces(pair, kind, y, slope);
         const double little = 1e-5 * length;
         auto &near = integrator.near, &near_slope = integrator.near_slope;
         near.resize(y.size()), near_slope.resize(y.size());
         for (std::size_t c = 0; c < y.size(); ++c) near[c] = y[c] + little * slope[c];
         if (kind == ContactEvent::sticks) f(near.data(), near_slope.data());
-        const Snapshot<Law> then{network, state.layout, near.data()};
-        const double change = (surface_value(then, near_slope.data(), pair, kind) - value) / little;
-        return {value, change, value, change};
+        return between(here, value_in_surfaces(pair, kind, near, near_slope), little);
     }
+    // The same at a part of the step, from the cubic polynomials of the state.
+    EventFunction estimate(int pair, ContactEvent kind, double part, double length) const
+        requires FrictionalLaw<Law>
+    {
+        const double little = 1e-5;
+        const auto at = [&](double x) {
+            const double rest = 1.0 - x, moved = x * x * (3.0 - 2.0 * x), fast = 6.0 * x * rest / length;
+            const double first = rest * rest * x * length, last = -x * x * rest * length;
+            const double first_rate = rest * (1.0 - 3.0 * x), last_rate = x * (3.0 * x - 2.0);
+            const Integrator& in = integrator;
+            auto &near = integrator.near, &near_slope = integrator.near_slope;
+            for (std::size_t c = 0; c < near.size(); ++c) {
+                const double change = in.end[c] - state.y[c];
+                near[c] = state.y[c] + moved * change + first * in.slope[c] + last * in.end_slope[c];
+                near_slope[c] = fast * change + first_rate * in.slope[c] + last_rate * in.end_slope[c];
+            }
+            return value_in_surfaces(pair, kind, near, near_slope);
+        };
+        return between(at(part), at(part + little), little * length);
+    }
+    SurfaceValue value_in_surfaces(int pair, ContactEvent kind, const WorkVector<double>& y,
+                                   const WorkVector<double>& slope) const
+        requires FrictionalLaw<Law>
+    {
+        return surface_values(Snapshot<Law>{network, state.layout, y.data()}, slope.data(), pair, kind,
+                              begins(pair));
+    }
+    static EventFunction between(SurfaceValue a, SurfaceValue b, double apart) {
+        return {a.value, (b.value - a.value) / apart, a.smooth, (b.smooth - a.smooth) / apart};
+    }
+    bool begins(int pair) const
+        requires FrictionalLaw<Law>
+    {
+        const auto& surfaces = network.pairs[pair].surfaces;
+        return surfaces.fresh && surfaces.changes == 0;
+    }
+
     // Zero of the cubic Hermite polynomial through both ends of the step, or high/2 if there is none below `high`.
     static double first_guess(const EventFunction& a, const EventFunction& b, double length, double high) {
         if (!(a.smooth > 0.0 && b.smooth < 0.0)) return 0.5 * high;

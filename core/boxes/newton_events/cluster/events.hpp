@@ -111,6 +111,24 @@ double surface_value(const Snapshot<Law>& now, const double* dy, int pair, Conta
     if (kind == ContactEvent::turns) return now.network.pairs[pair].surfaces.unloads ? -at.g.rate : at.g.rate;
     return kind == ContactEvent::slips ? at.grip() : at.slipping(dy);
 }
+// The same, and a smooth function of the same sign. If the contact `begins`, all forces may begin at zero, and the latter
+// is divided by powers of the normal force.
+struct SurfaceValue {
+    double value, smooth;
+};
+template <FrictionalLaw Law>
+SurfaceValue surface_values(const Snapshot<Law>& now, const double* dy, int pair, ContactEvent kind,
+                            bool begins) {
+    const double value = surface_value(now, dy, pair, kind);
+    if (kind == ContactEvent::turns) return {value, value};
+    const SurfacePair<Law> at(now, pair);
+    const double limit = at.limit();
+    begins = begins && limit > 0.0;
+    if (kind == ContactEvent::sticks) return {value, begins ? value * at.s / limit : value};
+    const Vector3 force = at.limited();
+    const double square = limit * limit, smooth = square - dot(force, force);
+    return {value, begins ? smooth / square : smooth};
+}
 
 // Decides whether the surfaces of a pair stick when its contact begins, or after a jump of a velocity.
 template <FrictionalLaw Law>
@@ -144,11 +162,18 @@ public:
             slip_along(-1.0 * now.slip);  // a history that grows with the radius may drive the surfaces
             slips = excess() > 0.0;
         }
+        Vector3 memory =
+            (force > 0.0 ? q_.law.friction.coefficient * force / size - damping : -damping) * now.slip;
+        if (!slips && p > 1 && at_touch && now.history() > 0) {  // T/a^m, which does not vanish at touch
+            slip_along(now.slip);
+            const SurfacePair<Law> near(state_.at(network_), pair_);
+            memory = (1.0 / near.radius_power()) * near.elastic();
+        }
         for (std::size_t c = 0; c < before.size(); ++c)
             if (c < from() || c >= from() + 4) state_.y[c] = before[c];
         if (slips) return;
         q_.surfaces.slips = q_.surfaces.slid = false;
-        keep((force > 0.0 ? q_.law.friction.coefficient * force / size - damping : -damping) * now.slip);
+        keep(memory);
     }
     // T is known, and the force or the velocities have changed.
     void continue_after_jump(const Vector3& elastic) {
@@ -390,6 +415,7 @@ private:
         const double after = dot(SurfacePair<Law>(state.at(network), pair).slip, surfaces.slip);
         EndedContact& e = ledger.ended.back();
         e.slid = surfaces.slid;
+        e.changes = surfaces.changes;
         e.tangential_speed = before;
         e.tangential_restitution = before > 0.0 ? -after / (before * before) : math::nan;
         surfaces = {};

@@ -100,6 +100,7 @@ struct EndedContact {
     // With friction; see ContactRecord.
     bool slid = false;
     double tangential_speed = math::nan, tangential_restitution = math::nan;
+    int changes = 0;  // between stick and slip
 };
 
 // What a cluster has done: energy lost and given, virial, and its contacts.
