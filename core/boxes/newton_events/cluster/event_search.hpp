@@ -61,6 +61,9 @@ struct EventSearch {
         if (changes && begins(pair))  // all forces may begin at zero
             if (const EventFunction soon = estimate(pair, kind, 1e-3, length); soon.value > 0.0) a = soon;
         const EventFunction between = changes ? estimate(pair, kind, 0.5, length) : b;
+        // Where surfaces begin to stick, the force is at its limit and as steep: a fall from there is rounding.
+        if (fresh && kind == ContactEvent::slips && !begins(pair) && between.value > 0.0)
+            a.smooth_slope = math::max(a.smooth_slope, 0.0);
         const auto at_trial = [&] { return in_surfaces(pair, kind, in.trial, in.trial_slope, length); };
         const auto at = [&](double x) {
             in.probe(f, state, x);
