@@ -1525,6 +1525,17 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("size", [2e-5, 1e-3])
+def test_a_floor_of_grains_above_a_wall_that_does_not_move(size):
+    """Up to Γ = 1 grains rest on it; beyond, whether they fall past it onto the wall is not known."""
+    text = SHAKEN["some grains"]("z", size, 0.02).replace("fix move high", f"{WALL}\nfix move high")
+    verdict = hl.check(text, **QUIET)
+    shaking = verdict.stages[-1].shaking
+    assert verdict.admissible is (None if shaking > 1.0 else False) and ("rest" in verdict.sentence) is (
+        shaking < 1.0
+    )
+
+
 @pytest.mark.parametrize(
     "formula",
     [

@@ -322,7 +322,11 @@ def support(stage: Stage) -> Support:
     def strength(motion: Motion | None) -> float:
         return 0.0 if motion is None else acceleration(motion, stage.down) / (stage.gravity or math.inf)
 
-    still = any(wall.pushes and stage.down and strength(wall.motion) <= 1.0 for wall in holding)
+    # A floor of grains that throws others up may keep them from a wall below it that does not.
+    thrown = any(wall.types[1] != WALL and 1.0 < strength(wall.motion) < math.inf for wall in holding)
+    still = (
+        any(wall.pushes and stage.down and strength(wall.motion) <= 1.0 for wall in holding) and not thrown
+    )
     strongest = max((wall.motion for wall in holding), key=strength)
     largest = strength(strongest)
     known = strongest is not None and math.isfinite(largest) and largest > 0.0
