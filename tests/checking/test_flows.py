@@ -228,3 +228,11 @@ def test_the_radius_is_in_metres_in_every_unit():
         ("radius constant 0.003", "radius constant 0.3"),
     )
     assert hl.check(cgs).state.centrifuging_radius == pytest.approx(9.81 / (2.0 * math.pi / 3.0) ** 2)
+
+
+@pytest.mark.parametrize("name", ["lammps_dense_shear", "yade_dense_shear"])
+def test_a_sheared_cell_of_unknown_pressure_asks_for_it(name: str) -> None:
+    asked = "--pressure gives the inertial number"
+    assert asked in hl.check(STATES / name).sentence
+    flow = hl.check(STATES / name, pressure=465.0)
+    assert asked not in flow.sentence and flow.state.regime == "dense"

@@ -53,6 +53,7 @@ class Question:
     option: str = ""  #: of ``hardlimit gas compare``, which drives a box in the same way
     purpose: Drive | None = None  #: what the box is run for, if not to cool
     heats_spins: bool = False  #: whether a thermostat acts on spins, too
+    may_be_dense: bool = False  #: whether it is a shear flow whose pressure is not known
 
 
 def answer(
@@ -197,7 +198,8 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
     """What is missing for an answer."""
     if missing:
         are = "is" if list(missing) == ["packing"] else "are"
-        return f"{listed(missing)} {are} not known{given_by(missing, question.dumped)}"
+        pressure = "; --pressure gives the inertial number" * question.may_be_dense
+        return f"{listed(missing)} {are} not known{given_by(missing, question.dumped)}{pressure}"
     if question.quantity == "cooling":
         return "the error is not known for so dense a packing"
     return f"{ERROR_OF[question.quantity]} is not known for these grains and this packing"

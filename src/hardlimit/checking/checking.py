@@ -993,6 +993,8 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
 
 def _flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
     """A flow under gravity that is collisional, or may be so, is driven, but no homogeneous gas."""
+    if grains.name == "gas" and question.quantity == "stress":
+        return replace(question, may_be_dense=True)
     if not (grains.may_separate and gravity):
         return question
     where = "a slope on" if grains.inertial_number is None else "a flow under gravity in"
