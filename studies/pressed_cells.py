@@ -88,14 +88,14 @@ def radii_of(spread: float, seed: int) -> Floats:
     return np.asarray(0.5 * radii / radii.mean())
 
 
-def script(mu: float, made: Preparation) -> str:
+def script(mu: float, how: Preparation) -> str:
     """The input script of LAMMPS, which writes K.dump at the level K."""
-    steps, first = round(SLOW.get(mu, 1.0) * REST / TIME_STEP), 1.0 / LEVELS[made.first]
+    steps, first = round(SLOW.get(mu, 1.0) * REST / TIME_STEP), 1.0 / LEVELS[how.first]
 
     def law(friction: float) -> str:
-        tangential = f"linear_history {made.stiffness_ratio!r} 0.0 {friction!r}"
+        tangential = f"linear_history {how.stiffness_ratio!r} 0.0 {friction!r}"
         return (
-            f"pair_coeff * * hooke 1.0 {made.restitution!r} damping coeff_restitution tangential {tangential}"
+            f"pair_coeff * * hooke 1.0 {how.restitution!r} damping coeff_restitution tangential {tangential}"
         )
 
     def shrunk(rate: float, by: float) -> list[str]:
@@ -124,18 +124,18 @@ def script(mu: float, made: Preparation) -> str:
     lines = [
         "units lj\natom_style sphere\nboundary p p p\nnewton off\ncomm_modify vel yes\nread_data start.data",
         "pair_style granular",
-        law(0.0 if made.smooth else mu),
+        law(0.0 if how.smooth else mu),
         "neighbor 0.15 bin\nfix move all nve/sphere\nthermo_style custom step press ke\nthermo_modify norm no",
         f"timestep {TIME_STEP!r}\nvariable pressure equal press",
-        *shrunk(made.rate, 0.35),
+        *shrunk(how.rate, 0.35),
         f"run {steps}",
         *shrunk(ONSET, 0.1),
     ]
     for k, level in enumerate(LEVELS):
-        if k < made.first:
+        if k < how.first:
             continue
         lines += adjusted(1.0 / level)
-        if made.smooth and k == 0:
+        if how.smooth and k == 0:
             lines += [law(mu), *adjusted(1.0 / level)]
         lines.append(
             f"write_dump all custom {k}.dump x y z radius vx vy vz modify format float %.17g sort id"
@@ -145,9 +145,9 @@ def script(mu: float, made: Preparation) -> str:
 
 def pressed(mu: float, preparation: str, replica: int) -> dict[str, list[float]]:
     """Values at each level."""
-    made = PREPARATIONS[preparation]
-    radii = radii_of(made.spread, replica)
-    start = hl.ParticleSystem.random(N, made.fraction, radii, DENSITY, 0.0, seed=replica)
+    how = PREPARATIONS[preparation]
+    radii = radii_of(how.spread, replica)
+    start = hl.ParticleSystem.random(N, how.fraction, radii, DENSITY, 0.0, seed=replica)
     rows = zip((2.0 * start.radius).tolist(), start.positions.tolist(), strict=True)
     atoms = [f"{k} 1 {d!r} {DENSITY!r} {x!r} {y!r} {z!r}" for k, (d, (x, y, z)) in enumerate(rows, 1)]
     edges = [f"0 {float(edge)!r} {axis}lo {axis}hi" for edge, axis in zip(start.box, "xyz", strict=True)]
@@ -156,11 +156,11 @@ def pressed(mu: float, preparation: str, replica: int) -> dict[str, list[float]]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "start.data").write_text("\n".join([*head, *atoms, ""]))
-        (folder / "in.pressed").write_text(script(mu, made))
+        (folder / "in.pressed").write_text(script(mu, how))
         command = [lammps.path, "-in", "in.pressed", "-log", "none"]
         subprocess.run(command, cwd=folder, env=lammps.environment(), capture_output=True, check=True)
-        values = [at_level(folder / f"{k}.dump") for k in range(made.first, len(LEVELS))]
-    unknown = [math.nan] * made.first
+        values = [at_level(folder / f"{k}.dump") for k in range(how.first, len(LEVELS))]
+    unknown = [math.nan] * how.first
     return {name: unknown + [value[name] for value in values] for name in KEPT}
 
 

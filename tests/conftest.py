@@ -115,10 +115,10 @@ def compiled(program: str, folder: Path, *flags: str) -> Path:
     return built
 
 
-def output_of(program: str, folder: Path, *flags: str, given: str = "") -> str:
-    """What a compiled program of the tests prints; ``given`` is its standard input."""
+def output_of(program: str, folder: Path, *flags: str, stdin: str = "") -> str:
+    """What a compiled program of the tests prints; ``stdin`` is its input."""
     built = compiled(program, folder, *flags)
-    return subprocess.run([built], input=given, capture_output=True, text=True, check=True).stdout
+    return subprocess.run([built], input=stdin, capture_output=True, text=True, check=True).stdout
 
 
 def draws(most: int, few: int = FEW, **others: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -1,7 +1,7 @@
-// Program for test_friction_by_events.py: a box as one cluster, from touch to touch. Reads numbers: edges (x, y; 0 where
-// the box is periodic), gravity along y, time of the end, k, ε, k_t, γ_t, μ, number of bodies; for each body radius,
-// mass, inertia, position, velocity and spin in the plane. Prints a row for each contact: its begin, first and second
-// body, or wall, and how often the surfaces changed between stick and slip.
+// Program for test_friction_by_events.py: a box as one cluster, from touch to touch. Reads numbers: edges (x, y; 0
+// where the box is periodic), gravity along y, time of the end, k, ε, k_t, γ_t, μ, number of bodies; for each body
+// radius, mass, inertia, position, velocity and spin in the plane. Prints a row for each contact: its begin, first and
+// second body, or wall, and how often the surfaces changed between stick and slip.
 #include <cstdio>
 #include <vector>
 

@@ -232,7 +232,7 @@ def test_the_radius_is_in_metres_in_every_unit():
 
 @pytest.mark.parametrize("name", ["lammps_dense_shear", "yade_dense_shear"])
 def test_a_sheared_cell_of_unknown_pressure_asks_for_it(name: str) -> None:
-    asked = "--pressure gives the inertial number"
-    assert asked in hl.check(STATES / name).sentence
+    request = "--pressure gives the inertial number"
+    assert request in hl.check(STATES / name).sentence
     flow = hl.check(STATES / name, pressure=465.0)
-    assert asked not in flow.sentence and flow.state.regime == "dense"
+    assert request not in flow.sentence and flow.state.regime == "dense"

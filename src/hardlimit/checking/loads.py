@@ -97,20 +97,20 @@ def load_of(
     stage: Stage, support: Support, options: LoadOptions, shear_rate: float | None, around: Around
 ) -> Load:
     """What holds the grains of a run together. ``shear_rate``: an option, which comes before that of the script."""
-    held = (
+    under_pressure = (
         bool(stage.pressed) or stage.pressure is not None or options.pressure is not None or around.barostat
     )
     if options.height is not None and not stage.gravity:
         raise ValueError(f"height: got {options.height:g}, must be left out without gravity")
     rests = support.rests or options.height is not None
     rate, lasting = stage.shear_rate if shear_rate is None else shear_rate, around.lasting
-    if stage.gravity and support.moves and not (rests or lasting or held):
+    if stage.gravity and support.moves and not (rests or lasting or under_pressure):
         frequency = None if support.motion is None else support.motion.frequency
         return Load("shaken", gravity=stage.gravity, shaking=support.shaking, frequency=frequency)
-    if lasting is False or not (held or rests or lasting):
+    if lasting is False or not (under_pressure or rests or lasting):
         return Load("gas")
     driven = rate is not None or (support.moves and support.shaking is None)
-    name = "flow" if driven else "pressed" if held or not rests else "rest"
+    name = "flow" if driven else "pressed" if under_pressure or not rests else "rest"
     kinds = _kinds(stage, around)
     load = Load(
         name,
@@ -122,7 +122,7 @@ def load_of(
         shaking=support.shaking,
         layers=most_layers(stage.contents.count, around.dimension),
     )
-    load = replace(load, **_pressure(stage, options, around, held))
+    load = replace(load, **_pressure(stage, options, around, under_pressure))
     if load.weight and around.fluid:
         load = replace(load, origin=f"{load.origin}, without the fluid")
     if stage.gravity and stage.down:

@@ -111,8 +111,8 @@ double surface_value(const Snapshot<Law>& now, const double* dy, int pair, Conta
     if (kind == ContactEvent::turns) return now.network.pairs[pair].surfaces.unloads ? -at.g.rate : at.g.rate;
     return kind == ContactEvent::slips ? at.grip() : at.slipping(dy);
 }
-// The same, and a smooth function of the same sign. If the contact `begins`, all forces may begin at zero, and the latter
-// is divided by powers of the normal force.
+// The same, and a smooth function of the same sign. If the contact `begins`, all forces may begin at zero, and the
+// latter is divided by powers of the normal force.
 struct SurfaceValue {
     double value, smooth;
 };
