@@ -226,6 +226,7 @@ HEATED = {
 }
 
 
+@pytest.mark.slow
 def test_heated_gases_have_the_predicted_temperature() -> None:
     """Hard spheres against Newton's equations at equal power; χ² of eleven points without a parameter of their own."""
     squares, without = [], []

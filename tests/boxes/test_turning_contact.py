@@ -179,6 +179,7 @@ def test_series_against_the_general_method(tmp_path: Path) -> None:
     assert near_the_end < 1e-8
 
 
+@pytest.mark.slow
 def test_clusters_of_two_spheres(tmp_path: Path) -> None:
     """400 contacts of a viscoelastic law with all models of Mindlin: those that slip and stick again at once too."""
     compared, unresolved, largest = map(float, output_of("boxes/turning_cluster.cpp", tmp_path).split())

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
-from conftest import table
+from conftest import slow, table
 from hardlimit.checking import flows
 from hardlimit.checking.state_words import details
 
@@ -101,11 +101,12 @@ def test_layers_rest_flow_or_get_faster(tilt, words):
     assert words in hl.check(text("lammps_chute", ("chute 24.0", f"chute {tilt}"))).sentence
 
 
-def test_a_slope_and_its_own_shear_have_one_answer():
+@pytest.mark.parametrize("slopes", [15, slow(60)])
+def test_a_slope_and_its_own_shear_have_one_answer(slopes):
     """Of random slopes: a No holds for --shear with each I of their range, and what cannot be said does not for all."""
     random = np.random.default_rng(5)
     answers = []
-    for _ in range(60):
+    for _ in range(slopes):
         stiffness, damping = 10.0 ** random.uniform(3, 7), random.uniform(0.02, 0.4)
         mu = random.uniform(0.1, 1.0)
         spring = f"{stiffness:.4g} NULL {damping * stiffness**0.5:.4g} NULL {mu:.3f} 0"
@@ -130,7 +131,7 @@ def test_a_slope_and_its_own_shear_have_one_answer():
             at.append(sheared.admissible)
         assert at[-1] is verdict.admissible if at else verdict.admissible is None
         assert ("contacts last below" in verdict.sentence) is (verdict.admissible is None)
-    assert 10 < answers.count(None) < 50
+    assert slopes / 10 < answers.count(None) < 0.9 * slopes
 
 
 @pytest.mark.parametrize(("mu", "share"), [(0.05, 0.8), (0.2, 0.9), (0.6, 1.0), (1.0, 0.6), (1.5, 0.6)])
