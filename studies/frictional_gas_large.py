@@ -17,7 +17,7 @@ from hardlimit.support.estimate import Estimate
 
 gas.N = 20_000  # of all starts, which are made later
 #: Starts of a gas: more where t_c ν is small, and with it the error.
-REPLICAS, MORE_REPLICAS = 16, 48
+REPLICAS, MORE_REPLICAS = 16, 28
 
 
 def points(replica: int) -> Iterator[driver.Point]:
@@ -39,13 +39,14 @@ def tables(ds: xr.Dataset) -> str:
     rows, squares = [], []
     for i, point in enumerate(gas.all_points(ds)):
         a, law = coefficient(ds, i), gas.theory_of(point)
-        of_gas = [f"{x:g}" for x in (point.packing_fraction, point.restitution, *point[5:])]
+        of_gas = [f"{x:g}" for x in (point.packing_fraction, *point[3:])]
+        of_gas[0] = f"{'disks' if point.dimension == 2 else 'spheres'} {of_gas[0]}"
         of_gas[-1] += ", Hertz" * (point.law != "linear")
         rows.append(
             (*of_gas, f"{a.value:.3f}±{a.error:.3f}", f"{law.coefficient:.3f}±{law.coefficient_error:.3f}")
         )
         squares.append(((a.value - law.coefficient) / math.hypot(a.error, law.coefficient_error)) ** 2)
-    head = "φ | ε | μ | ρ | γ_t/γ_n | θ(0) | a | law"
+    head = "φ | ε | t_c ν | μ | ρ | γ_t/γ_n | θ(0) | a | law"
     return f"{driver.table(head, rows)}\n\nχ² = {np.sum(squares):.1f} of {len(rows)} values"
 
 
