@@ -100,8 +100,9 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     contents = scene.filling.contents(stage)
     if scene.elsewhere or any(scene.used(name) for name in ("BoxFactory", "CircularFactory")):
         return replace(contents, count=None, filled=None)
-    settles = stage.down is not None and is_still(scene, script)
-    return scene.filling.bed(contents, stage.down) if settles and stage.down is not None else contents
+    if stage.down is None or not is_still(scene, script):
+        return contents
+    return scene.filling.bed(contents, stage.down)
 
 
 def is_still(scene: Scene, script: Evaluator) -> bool:
@@ -152,23 +153,23 @@ def weight(scene: Scene) -> tuple[float | None, Direction | None]:
 
 def driving(scene: Scene) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
     """What presses the grains, what else drives them, and the shear rate."""
-    pressed = [
-        Note(engine.name, None, scene.at(engine)) for engine in scene.used("") if engine.name in PRESSING
-    ]
+    pressing = [engine for engine in scene.used("") if engine.name in PRESSING]
+    pressed = tuple(Note(engine.name, None, scene.at(engine)) for engine in pressing)
     if scene.strain is None:
-        return tuple(pressed), (), None
+        return pressed, (), None
     value, quote = scene.strain
     rates = flat([value.arguments]) if isinstance(value, Instance) else []
     if "Zero" in (value.text if isinstance(value, Unknown) else str(value)):
-        return tuple(pressed), (), None  # Matrix3.Zero
+        return pressed, (), None  # Matrix3.Zero
+    deformed = (Note("O.cell.velGrad", None, quote),)
     if len(rates) != 9 or not are_numbers(rates):
-        return tuple(pressed), (Note("O.cell.velGrad", None, quote),), None
+        return pressed, deformed, None
     sheared = [abs(x) for k, x in enumerate(rates) if k % 4 and x]
-    growth, largest = rates[0] + rates[4] + rates[8], max(map(abs, rates))
-    if growth < -1e-9 * largest:
-        pressed.append(Note("a cell that shrinks (velGrad)", None, quote))
-    other = (Note("O.cell.velGrad", None, quote),) if any(rates[::4]) or len(sheared) > 1 else ()
-    return tuple(pressed), other, sheared[0] if len(sheared) == 1 and not other else None
+    if rates[0] + rates[4] + rates[8] < -1e-9 * max(map(abs, rates)):
+        pressed += (Note("a cell that shrinks (velGrad)", None, quote),)
+    if any(rates[::4]) or len(sheared) > 1:
+        return pressed, deformed, None
+    return pressed, (), sheared[0] if sheared else None
 
 
 def pressure(scene: Scene) -> float | None:
