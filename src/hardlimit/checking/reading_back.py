@@ -23,7 +23,7 @@ from .friction import friction_of as checked_friction
 from .scripts import CODES, ContactSettings, Stage, read_text
 from .scripts.description import WALL
 from .scripts.statements import refusal
-from .scripts.yade import NUMERICAL_DAMPING
+from .scripts.yade_stages import NUMERICAL_DAMPING
 
 #: Relative difference of two forces from rounding.
 ROUNDING: Final = 1e-9

@@ -1,0 +1,311 @@
+"""Calls of a YADE script that make bodies: spheres, walls, packings, files of spheres."""
+
+from __future__ import annotations
+
+import ast
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from .description import Range
+from .population import union
+from .python import Evaluator, Instance, Unknown, flat
+from .reader import names
+from .statements import refusal
+from .yade_container import Ends, vector
+from .yade_container import union as around
+from .yade_filling import TEXTS, cloud, ends_of, lot_of, mean_radius, obstacle, radii_in, uniform
+from .yade_scene import UNCOUNTED, Body, Scene, as_range
+
+DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
+#: Functions that make bodies other than spheres: facets, walls and boxes.
+SHAPES: Final = dict.fromkeys(
+    names("""
+    facet facetBox facetCylinder facetSphere facetCone facetPolygon facetBunker facetHelix facetParallelepiped
+    facetTorus stl gts gmsh unv iges gtsSurface2Facets textFacets blockMeshFacets
+    """),
+    "facets",
+) | {"wall": "walls", "box": "boxes", "aabbWalls": "boxes"}
+#: Those that make packings.
+PACKINGS: Final = names("regularHexa regularOrtho randomDensePack hexaNet filterSpherePack")
+#: Functions that make spheres of sizes that are not in the script.
+FILES: Final = names("text textExt textClumps gengeo gengeoFile ele load loadTmp")
+PACK_FILES: Final = names("load fromFile fromList particleSD particleSD2 particleSD_2d makeOverlappingCloud")
+CLUMPS: Final = names("appendClumped makeClumpCloud clump clumpTemplate replaceByClumps polyhedron tetra")
+#: Modules whose functions of the same names make no bodies.
+READERS: Final = names("export pickle cPickle np numpy json yaml plot pd pandas")
+#: Bodies that are no spheres, whose contacts are not read.
+OTHER_SHAPES: Final = names("gridNode gridConnection pfacet chainedCylinder levelSetBody lsSimpleShape")
+#: Methods of a SpherePack that make spheres, and those that leave them where they are.
+MADE: Final = ("makeCloud", "add")
+UNMOVED: Final = ("psd", "relDensity", "save", "toFile", "aabb", "dim", "center", "hasClumps", "psdDistrib")
+
+
+@dataclass(frozen=True)
+class Centre(Unknown):
+    """A centre of a sphere in a loop over a SpherePack, all of which are between these ends."""
+
+    ends: tuple[Ends | None, ...] = (None,)
+
+
+@dataclass
+class BodyCalls:
+    """Calls that make bodies of a scene."""
+
+    scene: Scene
+    script: Evaluator
+    folder: Path | None  #: of files of spheres
+
+    def function(self, name: str, owner: Any, instance: Instance) -> bool:
+        """A function that makes bodies or packings; False for others."""
+        if name == "SpherePack" and instance.arguments and isinstance(instance.arguments[0], list | tuple):
+            pairs = [
+                entry for entry in instance.arguments[0] if isinstance(entry, tuple | list) and len(entry) > 1
+            ]
+            instance.made += [as_range(entry[1]) for entry in pairs] or [None]
+        if name == "sphere":
+            self.sphere(instance)
+        elif name in SHAPES:
+            self.shape(instance)
+        elif name in PACKINGS:
+            self.packing(instance)
+        elif name in FILES and not (isinstance(owner, str) and owner.partition(".")[0] in READERS):
+            self.from_file(instance)
+        elif name in CLUMPS or name in OTHER_SHAPES:
+            self.clumps(instance)
+        else:
+            return False
+        return True
+
+    def method(self, name: str, instance: Instance) -> Any:
+        """Methods of ``O.bodies``. The value is the number of a body, if it is known."""
+        scene, quote = self.scene, self.scene.at(instance)
+        if name in ("clear", "replace"):
+            if self.script.repeats:
+                scene.unknown[quote] = None
+            else:
+                scene.remove_bodies()
+        if name in ("append", "appendClumped", "replace", "insertAtId"):
+            before = len(scene.bodies)
+            self.append(instance, clumped=name == "appendClumped")
+            new = range(before, len(scene.bodies))
+            if name == "append" and new and scene.body_at(new[-1]):
+                several = isinstance(instance.argument(0, "bodies"), list | tuple)
+                return list(new) if several else new[-1]
+        elif name in CLUMPS or "lump" in name:
+            self.clumps(instance)
+        elif name == "erase":
+            scene.filling.census.complete = False
+            scene.ignore("bodies that are removed (O.bodies.erase)", quote)
+        elif name not in ("clear", "getRoundness"):
+            scene.unknown[quote] = None
+        return Unknown(instance.text)
+
+    def append(self, instance: Instance, clumped: bool) -> None:
+        """``O.bodies.append``: bodies, lists of them, or packings."""
+        scene = self.scene
+        for part in flat([*instance.arguments, *instance.attributes.values()]):
+            made = part.made if isinstance(part, Instance) else []
+            bodies = [body for body in made if isinstance(body, Body)]
+            spheres = [body for body in bodies if body.kind == "sphere"]
+            scene.bodies += bodies
+            scene.filling.census.lots += [body.lot for body in spheres]
+            scene.filling.container.spheres += [body.ends for body in spheres]
+            if clumped and isinstance(part, Instance):
+                self.clumps(replace(part, name="appendClumped"))
+            other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
+            if isinstance(part, Unknown | Instance) and not bodies and not other:
+                scene.elsewhere = True
+                if not (isinstance(part, Instance) and part.name in FILES):
+                    scene.unknown[scene.at(instance)] = None
+
+    def material_of(self, instance: Instance, place: int = -1) -> int:
+        """The material of a body: given by number, label or instance; the last one by default."""
+        materials, material = self.scene.materials, instance.argument(place, "material", -1)
+        if isinstance(material, Unknown) and material.text in self.script.functions:
+            # The function makes the material of each body.
+            call = ast.parse(f"{material.text}()", mode="eval").body
+            material = self.script.value(ast.copy_location(call, self.script.functions[material.text]))
+        if isinstance(material, Instance):
+            return self.scene.index(material)
+        must = "have a known material"
+        if isinstance(material, str):
+            labels = [known.attributes.get("label") for known in materials]
+            if material in labels:
+                return labels.index(material)
+            must = f"have a material of the script, not {material}"
+        elif not materials:
+            self.scene.index(
+                Instance("FrictMat", (), dict(DEFAULT_MATERIAL), instance.line, "default material")
+            )
+        if isinstance(material, int) and -len(materials) <= material < len(materials):
+            return material % len(materials)
+        if material is None:
+            return len(materials) - 1
+        raise refusal(instance.line, instance.text, must, self.scene.file)
+
+    def body(self, instance: Instance, kind: str, radii: Range | None, place: int = -1) -> Body:
+        fixed, moves = (instance.attributes.get(name) for name in ("fixed", "dynamic"))
+        frozen = fixed in (True, 1) or moves in (False, 0)
+        material, quote = self.material_of(instance, place), self.scene.at(instance)
+        if not all(isinstance(value, bool | int | None) for value in (fixed, moves)):
+            self.scene.unknown[quote] = None
+        return Body(kind, radii, material, frozen, quote, several=self.script.repeats > 0)
+
+    def sphere(self, instance: Instance) -> None:
+        """``sphere(center, radius, …)``."""
+        radius, centre = drawn(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
+        body = self.body(instance, "sphere", radius)
+        body.lot = uniform(None if body.several else 1.0, radius)
+        body.ends = None if body.frozen else made_ends(instance)
+        instance.made.append(body)
+        if centre is not None and not body.frozen:
+            self.scene.filling.places.append((centre, centre, radius[0] if radius else 0.0))
+
+    def shape(self, instance: Instance) -> None:
+        """Facets, walls and boxes."""
+        body = self.body(instance, SHAPES[instance.name], None)
+        body.several |= instance.name not in ("facet", "wall", "box")
+        body.frozen |= instance.name != "box"
+        obstacle(self.scene.filling, instance)
+        self.scene.filling.container.add(instance)
+        if instance.name == "box":
+            half = instance.argument(1, "extents")
+            if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
+                density = self.scene.number(self.scene.materials[body.material], "density")
+                body.mass = 8.0 * math.prod(half) * density
+        instance.made.append(body)
+
+    def packing(self, instance: Instance) -> None:
+        """Regular and random packings: ``(predicate, radius, …, rRelFuzz=)``."""
+        source = instance.argument(1, "spherePack") if instance.name == "filterSpherePack" else None
+        if isinstance(source, Instance):
+            sizes = [size for size in source.made if not isinstance(size, Body)]
+        else:
+            place = 0 if instance.name == "hexaNet" else 1
+            sizes = [fuzzy(instance.argument(place, "radius"), instance.attributes.get("rRelFuzz", 0.0))]
+        if instance.attributes.get("returnSpherePack") is True:
+            instance.attributes["ends"] = [ends_of(instance)]
+            instance.name = "SpherePack"
+            instance.made += sizes
+        else:
+            place = 2 if instance.name == "randomDensePack" else -1
+            spheres = [self.body(instance, "sphere", size, place) for size in sizes]
+            instance.made += [replace(sphere, several=True, ends=ends_of(instance)) for sphere in spheres]
+
+    def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
+        """Methods of a SpherePack."""
+        lots, before = pack.attributes.setdefault("lots", []), len(pack.made)
+        number = cloud(self.scene.filling, pack, instance) if name == "makeCloud" else 1.0
+        if name not in ("toSimulation", "toList", *UNMOVED):
+            pack.attributes.setdefault("ends", []).append(ends_of(instance, name) if name in MADE else None)
+        if name == "makeCloud":
+            pack.made.append(cloud_radii(instance))
+        elif name == "add":
+            pack.made.append(as_range(instance.argument(1, "radius")))
+        elif name in ("load", "fromFile") and (listed := radii_in(self.folder, instance, True)):
+            pack.made.append((min(listed), max(listed)))
+            lots.append(lot_of(listed))
+        elif name in PACK_FILES:
+            pack.made.append(None)
+        elif name == "makeClumpCloud":
+            self.clumps(instance)
+            pack.made.append(None)
+        elif name == "toSimulation":
+            self.to_simulation(pack, instance)
+        elif name == "scale":
+            lots[:] = [UNCOUNTED] * len(lots)
+            factor = as_range(instance.argument(0, "scaleFactor"))
+            pack.made = [
+                None if size is None or factor is None else (factor[0] * size[0], factor[0] * size[1])
+                for size in pack.made
+            ]
+        elif name == "toList":
+            instance.name, instance.made = "SpherePack", pack.made
+        if len(pack.made) == before + 1 and name in MADE and not self.script.repeats:
+            lots.append(
+                uniform(number, pack.made[-1]) if instance.argument(7, "psdSizes") is None else UNCOUNTED
+            )
+        elif len(lots) < len(pack.made):
+            lots.append(UNCOUNTED)
+
+    def to_simulation(self, pack: Instance, instance: Instance) -> None:
+        """The spheres of a SpherePack become bodies."""
+        sizes = list(dict.fromkeys(pack.made)) or [None]
+        spheres = [self.body(instance, "sphere", size) for size in sizes]
+        filling, lots = self.scene.filling, pack.attributes["lots"]
+        self.scene.bodies += [replace(sphere, several=True) for sphere in spheres]
+        filling.census.lots += lots if self.script.repeats == 0 and lots else [UNCOUNTED]
+        filling.container.spheres += pack.attributes.get("ends", [None])
+        if "cell" in pack.attributes:
+            filling.cell, filling.periodic = pack.attributes["cell"], True
+
+    def from_file(self, instance: Instance) -> None:
+        """Spheres whose sizes are not in the script: in a text beside it, or not known."""
+        scene = self.scene
+        listed = radii_in(self.folder, instance, False) if instance.name in TEXTS else None
+        if listed is not None:
+            body = self.body(instance, "sphere", (min(listed), max(listed)))
+            body.several, body.lot = True, UNCOUNTED if self.script.repeats else lot_of(listed)
+            instance.made.append(body)
+            return
+        scene.elsewhere = True
+        scene.filling.census.complete = scene.filling.known = False
+        scene.unknown[scene.at(instance)] = None
+
+    def clumps(self, instance: Instance) -> None:
+        self.scene.filling.container.known = False
+        what = f"clumps or shapes that are no spheres ({instance.name})"
+        self.scene.invalidate(what, self.scene.at(instance))
+
+
+def body_of(value: Any) -> Body | None:
+    """The body of ``sphere(…)``, ``wall(…)`` or ``O.bodies[…]``; None for anything else."""
+    bodies = value.made if isinstance(value, Instance) else []
+    return (
+        bodies[0] if len(bodies) == 1 and isinstance(bodies[0], Body) and value.name != "SpherePack" else None
+    )
+
+
+def spheres_of(pack: Instance) -> list[tuple[Centre, Any]]:
+    """Centres and radii that stand for all spheres of a SpherePack: the smallest and the largest of each size."""
+    centre = Centre("a centre", tuple(pack.attributes.get("ends", [None])))
+    sizes = list(dict.fromkeys(size for size in pack.made if not isinstance(size, Body))) or [None]
+    ends = [(None, None) if size is None else size for size in sizes]
+    return [(centre, Unknown("a radius") if r is None else r) for end in ends for r in end]
+
+
+def made_ends(instance: Instance) -> Ends | None:
+    """Between which ends a sphere is made, or all spheres of the SpherePack over which a loop runs."""
+    centre = instance.argument(0, "center")
+    if not isinstance(centre, Centre):
+        return ends_of(instance)
+    known = [ends for ends in centre.ends if ends is not None]
+    return around(known) if known and len(known) == len(centre.ends) else None
+
+
+def cloud_radii(instance: Instance) -> Range | None:
+    """The smallest and largest radius of ``makeCloud``."""
+    sizes = instance.argument(7, "psdSizes")
+    if isinstance(sizes, list | tuple) and sizes and "num" not in instance.attributes:
+        diameters = union([as_range(size) for size in sizes])
+        return None if diameters is None else (0.5 * diameters[0], 0.5 * diameters[1])
+    if sizes:
+        return None  # YADE may scale the sizes down
+    return fuzzy(mean_radius(instance), instance.argument(3, "rRelFuzz", 0.0))
+
+
+def drawn(value: Any) -> Range | None:
+    """A known positive number, or the ends of ``random.uniform``."""
+    if isinstance(value, Instance) and value.name == "uniform" and len(value.arguments) == 2:
+        return union([as_range(end) for end in value.arguments])
+    return as_range(value)
+
+
+def fuzzy(mean: Any, fuzz: Any) -> Range | None:
+    """Radii around a mean with a relative half-width."""
+    known = as_range(mean)
+    if known is None or isinstance(fuzz, bool) or not isinstance(fuzz, int | float) or not 0.0 <= fuzz < 1.0:
+        return None
+    return known[0] * (1.0 - fuzz), known[0] * (1.0 + fuzz)

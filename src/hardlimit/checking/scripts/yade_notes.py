@@ -1,0 +1,169 @@
+"""What is noted of the engines and materials of a YADE scene, beside its contacts."""
+
+from __future__ import annotations
+
+import ast
+from typing import Final
+
+from .description import Note, Stage
+from .python import Evaluator, Instance
+from .reader import names
+from .yade_callbacks import parts_of, touches, uncalled
+from .yade_contacts import PHYSICS, UNDAMPED_LAWS
+from .yade_scene import MATERIALS, Scene, is_active
+
+#: Attributes of each of these and of the integrator in YADE 2023.02a; others are misspelt, or of another version.
+OF_MATERIALS: Final = "young poisson density frictionAngle id label dead ompThreads "
+ATTRIBUTES: Final = {
+    "FrictMat": OF_MATERIALS,
+    "ViscElMat": OF_MATERIALS
+    + "tc en et kn cn ks cs mR mRtype lubrication viscoDyn roughnessScale SPHmode mu "
+    "KernFunctionPressure KernFunctionVisco",
+    "CohFrictMat": OF_MATERIALS
+    + "isCohesive alphaKr alphaKtw etaRoll etaTwist normalCohesion shearCohesion fragile momentRotationLaw",
+    "Ip2_FrictMat_FrictMat_MindlinPhys": "gamma eta krot ktwist en es betan betas frictAngle label",
+    "Ip2_FrictMat_FrictMat_FrictPhys": "kn ks frictAngle label",
+    "Ip2_ViscElMat_ViscElMat_ViscElPhys": "tc en et frictAngle label",
+    "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys": "setCohesionNow setCohesionOnNewContacts normalCohesion shearCohesion"
+    " frictAngle label cohesionDefinitionIteration",
+    "NewtonIntegrator": "damping gravity maxVelocitySq exactAsphericalRot prevVelGrad warnNoForceReset kinSplit"
+    " dampGravity mask densityScaling label dead ompThreads",
+}
+LAWS: Final = (
+    "Law2_ScGeom_MindlinPhys_Mindlin",
+    "Law2_ScGeom_FrictPhys_CundallStrack",
+    "Law2_ScGeom_ViscElPhys_Basic",
+    "Law2_ScGeom6D_CohFrictPhys_CohesionMoment",
+)
+STICKY: Final = names("Coh JCFpm Cpm Wire Cap Luding Mortar Bubble Lubrication CDM Bshd")
+#: What adds forces beside contacts.
+FORCES: Final = {
+    "Drag": "drag",
+    "Hydro": "drag of a fluid",
+    "Flow": "a fluid",
+    "Buoyancy": "buoyancy",
+    "Capillarity": "capillary bridges",
+    "Thermal": "heat",
+    "Radial": "a radial force",
+    "Interpolating": "an additional force",
+    "ForceEngine": "an additional force",
+    "Centrifugal": "an additional force",
+}
+#: Engines that prescribe a stress or a strain of all grains.
+PRESSING: Final = names("""
+TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
+ThreeDTriaxialEngine UniaxialStrainer ServoPIDController KinemCTDEngine KinemSimpleShearBox
+""")
+#: All that move something.
+MOTION: Final = PRESSING | names("""
+TranslationEngine RotationEngine HelixEngine HarmonicMotionEngine HarmonicRotationEngine BicyclePedalEngine
+StepDisplacer CombinedKinematicEngine
+""")
+#: Engines that change neither contacts nor grains.
+ENGINES: Final = names("""
+ForceResetter InsertionSortCollider SpatialQuickSortCollider FlatGridCollider InteractionLoop NewtonIntegrator PyRunner
+PeriodicPythonRunner PeriodicEngine DomainLimiter SnapshotEngine BoxFactory CircularFactory GravityEngine
+GlobalStiffnessTimeStepper ResetRandomPosition IntrCallback ParallelEngine BoundDispatcher
+""")
+
+
+def notes(scene: Scene, script: Evaluator) -> None:
+    """What is in the engines beside normal contacts."""
+    bodies = scene.bodies
+    lone = len(bodies) == 1 and len(scene.spheres()) == 1
+    if lone and not (bodies[0].several or scene.elsewhere):
+        scene.ignore("only one sphere: its contact is that with another like it", bodies[0].quote)
+    scene.unknown |= {body.quote: None for body in bodies if body.kind == "boxes" and not body.frozen}
+    known = [material for material in scene.materials if material.name in MATERIALS]
+    for instance in dict.fromkeys([*scene.used(""), *known]):
+        quote, name = scene.at(instance), instance.name
+        if instance.attributes.get("densityScaling", False):  # other masses than those of the grains
+            scene.unknown[quote] = None
+        strange = instance.attributes.keys() - {"**", *ATTRIBUTES[name].split()} if name in ATTRIBUTES else ()
+        if strange:
+            scene.unknown[quote] = None
+            scene.refuse(quote, f"have known words, not {', '.join(sorted(strange))}")
+        if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
+            contact_note(scene, instance)
+        elif name in MOTION:
+            scene.ignore(f"prescribed motion ({name})", quote)
+        elif name == "GlobalStiffnessTimeStepper" and is_active(instance):
+            scene.ignore("a time step that adapts (GlobalStiffnessTimeStepper)", quote)
+        elif name == "PyRunner":
+            runner_note(scene, script, instance)
+        elif instance in scene.engines:
+            what = next((what for sign, what in FORCES.items() if sign in name), "")
+            if what:
+                scene.invalidate(f"{what} ({name})", quote)
+            elif name not in ENGINES and not name.endswith("Recorder"):
+                scene.unknown[quote] = None
+
+
+def contact_note(scene: Scene, instance: Instance) -> None:
+    """A material, functor or law that has other forces, or is not understood."""
+    name, quote, attributes = instance.name, scene.at(instance), instance.attributes
+    law, force = name.startswith("Law2_"), ""
+    if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
+        force = f"adhesion or bonds ({name})"
+    elif name in (*LAWS, *UNDAMPED_LAWS) and attributes.get("includeAdhesion") not in (None, False, 0):
+        force = "adhesion (includeAdhesion)"
+    elif name == "ViscElMat" and attributes.get("lubrication", False):
+        force = "a fluid (lubrication)"
+    if force:
+        scene.invalidate(force, quote)
+        scene.refuse(quote, f"be without {force}")
+    elif name not in (*MATERIALS, *PHYSICS, *LAWS, *UNDAMPED_LAWS):
+        scene.unknown[quote] = None
+        known = LAWS if law else MATERIALS if name.endswith("Mat") else PHYSICS
+        scene.refuse(quote, f"be one of {', '.join(known)}")
+    elif law:
+        scene.ignore(f"tangential forces ({name})", quote)
+
+
+def runner_note(scene: Scene, script: Evaluator, runner: Instance) -> None:
+    """A callback that changes contacts or grains."""
+    command = runner.argument(0, "command", "")
+    if not isinstance(command, str):
+        return
+    parts = parts_of(script, command)
+    script.executed |= {part for part in parts if isinstance(part, ast.FunctionDef)}
+    if any(map(touches, parts)):
+        scene.unknown[scene.at(runner)] = None
+
+
+def callbacks(scene: Scene, script: Evaluator) -> None:
+    """Functions that were not run here, although the script may run them."""
+    for function in uncalled(script):
+        if touches(function):
+            header = f"def {function.name}({ast.unparse(function.args)})"
+            scene.unknown[scene.quote(function.lineno, header)] = None
+
+
+def missing_engines(scene: Scene) -> None:
+    """Engines without which nothing moves or forces are never reset."""
+    if (quote := scene.engines_quote) is None:
+        return
+    for part in ("ForceResetter", "Integrator"):
+        if not any(part in engine.name for engine in scene.engines):
+            scene.unknown[scene.quote(quote.line, f"no {part} in {quote.text}")] = None
+
+
+def damping_note(scene: Scene, stage: Stage) -> None:
+    """What the damping of the integrator does to friction."""
+    damping = stage.numerical_damping
+    if damping and any(contact.friction != 0.0 for contact in stage.contacts):
+        integrators = scene.used("NewtonIntegrator")
+        quote = scene.at(integrators[-1]) if integrators else None
+        what = f"the damping {damping:g} of NewtonIntegrator acts on spins as well, along each axis"
+        scene.warnings[Note(f"{what}: β is without it", None, quote)] = None
+
+
+def sides_note(scene: Scene, stage: Stage) -> None:
+    """YADE's viscoelastic law adds the velocity of an image in a sheared cell where it must subtract it.
+
+    Seen in 2023.02a with two spheres across a side; grains then slide along the sides as a plug.
+    """
+    for law in scene.used("Law2_ScGeom_ViscElPhys_Basic") if stage.shear_rate else ():
+        what = "ViscElPhys has the velocity of images in a sheared cell with the wrong sign"
+        which = "contacts across its sides are wrong, those of FrictPhys are not"
+        scene.warnings[Note(f"{what}: {which}", None, scene.at(law))] = None

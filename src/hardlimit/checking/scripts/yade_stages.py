@@ -1,0 +1,233 @@
+"""The stages of a YADE script: what holds in its scene at each run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, Final, TypeGuard
+
+from .description import Contents, Description, Direction, Motion, Note, Quote, Stage
+from .motion import STEADY, UNKNOWN, strongest
+from .python import Evaluator, Instance, Unknown, flat
+from .statements import refusal
+from .yade_callbacks import moves, parts_of, touches, uncalled
+from .yade_contacts import Contacts
+from .yade_container import is_number, vector
+from .yade_notes import FORCES, MOTION, PRESSING, callbacks, damping_note, missing_engines, notes, sides_note
+from .yade_scene import MATERIALS, Scene, is_active
+
+DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
+NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
+#: The stresses of those that prescribe one, and which of them are stresses by default: a bit for each.
+PRESSURES: Final = {
+    "PeriTriaxController": (("goal",), 0),
+    "Peri3dController": (("goal",), 0),
+    "TriaxialStressController": (("goal1", "goal2", "goal3"), 7),
+    "PeriIsoCompressor": (("stresses",), 0),
+    "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
+}
+#: Those that move walls or grains steadily.
+STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
+#: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
+HARMONIC: Final = (("A", (0.0, 0.0, 0.0)), ("f", (0.0, 0.0, 0.0)))
+
+
+def description(scene: Scene, script: Evaluator) -> Description:
+    """What a script says that was run. Without a run, what holds at its end."""
+    contacts = [contact for stage in scene.stages for contact in stage.contacts]
+    if not scene.stages or not contacts or (scene.part and scene.changed):
+        last = scene.instances[-1] if scene.instances else None
+        quote = scene.at(last) if last else scene.quote(1, script.text[:80])
+        add_stage(scene, script, quote, None)
+    notes(scene, script)
+    callbacks(scene, script)
+    described = scene.described()
+    granular = any(stage.contacts for stage in described.stages)
+    if not (granular or described.invalidates or described.unknown):
+        raise ValueError("script: has no granular contacts")
+    return described
+
+
+def add_stage(scene: Scene, script: Evaluator, quote: Quote, steps: int | None) -> None:
+    """Note what holds now. A run with the same settings as that before continues its stage."""
+    if scene.stages and not scene.changed:
+        scene.longer(steps, contents(scene, script, scene.stages[-1]))
+        return
+    scene.changed = False
+    for instance in scene.instances if scene.bare else ():
+        if instance.name in MATERIALS:
+            scene.index(instance)  # although the part does not append it
+    stage = stage_now(scene, quote, steps)
+    stage = replace(stage, contents=contents(scene, script, stage))
+    if scene.continues(stage):
+        scene.longer(steps, stage.contents)
+        return
+    scene.stages.append(stage)
+    damping_note(scene, stage)
+    sides_note(scene, stage)
+    notes(scene, script)
+    if stage.contacts:
+        missing_engines(scene)
+
+
+def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
+    """What holds now, without the contents of the cell."""
+    pressed, driven, shear_rate = driving(scene)
+    step, contacts = time_step(scene), Contacts(scene)
+    settings = [*contacts.settings()]
+    gravity, down = weight(scene)
+    moving = motion(scene, down)
+    return Stage(
+        quote=quote,
+        time_step=step,
+        time_step_given=scene.time_step_given,
+        steps=steps,
+        contacts=tuple(replace(contact, motion=moving) for contact in settings),
+        grains=contacts.grains,
+        gravity=gravity,
+        numerical_damping=damping(scene),
+        down=down,
+        pressed=pressed,
+        pressure=pressure(scene),
+        driven=driven,
+        shear_rate=shear_rate,
+        system=scene.system,
+    )
+
+
+def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
+    """What a run has in its cell; factories make an unknown number of spheres."""
+    contents = scene.filling.contents(stage)
+    if scene.elsewhere or any(scene.used(name) for name in ("BoxFactory", "CircularFactory")):
+        return replace(contents, count=None, filled=None)
+    if stage.down is None or not is_still(scene, script):
+        return contents
+    return scene.filling.bed(contents, stage.down)
+
+
+def is_still(scene: Scene, script: Evaluator) -> bool:
+    """Whether no engine or callback moves walls, adds bodies or forces, or presses the grains."""
+    engines = [engine.name for engine in scene.used("")]
+    forced = any(sign in name for name in engines for sign in FORCES)
+    if scene.strain is not None or forced or not MOTION.isdisjoint(engines):
+        return False
+    commands = [engine.argument(0, "command", "") for engine in scene.used("PyRunner")]
+    if not all(isinstance(command, str) for command in commands):
+        return False
+    parts = [part for command in commands for part in parts_of(script, command)]
+    return not any(touches(part) or moves(part) for part in (*parts, *uncalled(script)))
+
+
+def time_step(scene: Scene) -> float | None:
+    """The time step; None if it is not known or an engine changes it."""
+    if any(is_active(stepper) for stepper in scene.used("GlobalStiffnessTimeStepper")):
+        return None
+    return scene.time_step if scene.time_step_given else DEFAULT_TIME_STEP
+
+
+def damping(scene: Scene) -> float | None:
+    """The damping of the integrator; a part of a script may set that of the one that YADE makes."""
+    integrators = scene.used("NewtonIntegrator") or [
+        engine for engine in scene.engines if "damping" in engine.attributes
+    ]
+    if not integrators:
+        return None
+    damping = integrators[-1].argument(0, "damping", NUMERICAL_DAMPING)
+    if not isinstance(damping, int | float) or not 0.0 <= damping < 1.0:
+        integrator = integrators[-1]
+        raise refusal(integrator.line, integrator.text, "have a number in [0, 1) for damping", scene.file)
+    return float(damping)
+
+
+def weight(scene: Scene) -> tuple[float | None, Direction | None]:
+    """The magnitude and the direction of gravity."""
+    for engine in [*scene.used("NewtonIntegrator"), *scene.used("GravityEngine")]:
+        gravity = engine.attributes.get("gravity")
+        if are_numbers(gravity):
+            size = math.hypot(*gravity)
+            return (size, tuple(x / size for x in gravity)) if size else (None, None)
+        if gravity is not None:
+            scene.unknown[scene.at(engine)] = None
+    return None, None
+
+
+def driving(scene: Scene) -> tuple[tuple[Note, ...], tuple[Note, ...], float | None]:
+    """What presses the grains, what else drives them, and the shear rate."""
+    pressing = [engine for engine in scene.used("") if engine.name in PRESSING]
+    pressed = tuple(Note(engine.name, None, scene.at(engine)) for engine in pressing)
+    if scene.strain is None:
+        return pressed, (), None
+    value, quote = scene.strain
+    rates = flat([value.arguments]) if isinstance(value, Instance) else []
+    if "Zero" in (value.text if isinstance(value, Unknown) else str(value)):
+        return pressed, (), None  # Matrix3.Zero
+    deformed = (Note("O.cell.velGrad", None, quote),)
+    if len(rates) != 9 or not are_numbers(rates):
+        return pressed, deformed, None
+    sheared = [abs(x) for k, x in enumerate(rates) if k % 4 and x]
+    if rates[0] + rates[4] + rates[8] < -1e-9 * max(map(abs, rates)):
+        pressed += (Note("a cell that shrinks (velGrad)", None, quote),)
+    if any(rates[::4]) or len(sheared) > 1:
+        return pressed, deformed, None
+    return pressed, (), sheared[0] if sheared else None
+
+
+def pressure(scene: Scene) -> float | None:
+    """The pressure that a controller prescribes; None if there is none or several, or if it is not known."""
+    engines = [engine for engine in scene.used("") if engine.name in PRESSURES]
+    if len(engines) != 1:
+        return None
+    engine = engines[0]
+    names, mask = PRESSURES[engine.name]
+    values = flat([engine.attributes.get(name) for name in names])
+    mask = engine.attributes.get("stressMask", mask)
+    if engine.name == "PeriIsoCompressor":
+        values, mask = values[-1:], 1
+    if not isinstance(mask, int):
+        return None
+    values = [value for k, value in enumerate(values[:3]) if mask >> k & 1]
+    if not values or not are_numbers(values) or any(isinstance(x, bool) for x in values):
+        return None
+    return abs(math.fsum(values)) / len(values) or None
+
+
+def motion(scene: Scene, down: Direction | None) -> Motion | None:
+    """The fastest motion of walls and of fixed spheres; which of them move is not read."""
+    motions: list[Motion | None] = []
+    for engine in scene.used(""):
+        if engine.name == "HarmonicMotionEngine":
+            motions += shaking(engine) or [UNKNOWN]
+        elif engine.name in STEADY_MOTION:
+            steady, speed = STEADY, engine.argument(-1, "velocity")
+            if engine.name == "TranslationEngine" and speed is not None and is_number(speed):
+                steady = replace(STEADY, velocity=abs(float(speed)))
+            elif engine.name == "RotationEngine":
+                steady = replace(STEADY, turning=angular_velocity(engine))
+            motions.append(steady)
+        elif engine.name in MOTION - PRESSING:
+            motions.append(UNKNOWN)
+    return strongest(motions, down)
+
+
+def shaking(engine: Instance) -> list[Motion]:
+    """The oscillations of ``HarmonicMotionEngine`` along each axis; none if they are not known."""
+    sizes, rates = (engine.attributes.get(name, default) for name, default in HARMONIC)
+    if not (are_numbers(sizes) and are_numbers(rates)):
+        return []
+    return [
+        Motion(tuple(a * (k == axis) for k in range(3)), 2.0 * math.pi * f)
+        for axis, (a, f) in enumerate(zip(sizes, rates, strict=False))
+    ]
+
+
+def angular_velocity(engine: Instance) -> Direction | None:
+    """That of ``RotationEngine``; None if it is not known."""
+    along, rate = vector(engine.attributes.get("rotationAxis")), engine.attributes.get("angularVelocity")
+    if along is None or not any(along) or rate is None or not is_number(rate):
+        return None
+    return tuple(float(rate) * part / math.hypot(*along) for part in along)
+
+
+def are_numbers(values: Any) -> TypeGuard[list[float] | tuple[float, ...]]:
+    """Whether this is a list of known numbers."""
+    return isinstance(values, list | tuple) and all(isinstance(x, int | float) for x in values)
