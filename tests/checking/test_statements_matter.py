@@ -22,7 +22,7 @@ from hardlimit.checking import checking, contacts
 from hardlimit.checking.scripts import Quote, Setting, read
 
 #: Files that scripts include.
-PARTS = (".inc", ".data", ".gz")
+PARTS = (".inc", ".data", ".gz", ".txt")
 SCRIPTS = {
     path.name: path
     for path in (

@@ -94,7 +94,7 @@ MEASURED_HEATED: Final = MappingProxyType(
     }
 )
 #: Relative distance from these ranges that counts as none; of ε, in 1 − ε.
-NEAR: Final = 0.02
+NEAR: Final = 0.05
 ANGLES: Final = 1000  #: angles of impact in a table of β, which changes a by less than 1e-8
 #: Factors by which values may be outside these ranges; beyond, nothing is known.
 BEYOND: Final = 2.0

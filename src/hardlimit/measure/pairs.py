@@ -217,6 +217,6 @@ def near(
     distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
     close = distance <= factor * (system.radius[index[first]] + system.radius[index[second]])
     close &= np.minimum(first, second) < system.n  # not of two images
-    pairs = np.sort(np.stack([index[first[close]], index[second[close]]]), axis=0)
-    low, high = np.unique(pairs, axis=1)  # once, even if an image in a sheared box is close too
-    return low, high
+    low, high = np.sort(np.stack([index[first[close]], index[second[close]]]), axis=0)
+    codes = np.unique(low * system.n + high)  # once, even if an image in a sheared box is close too
+    return codes // system.n, codes % system.n

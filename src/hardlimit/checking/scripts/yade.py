@@ -297,8 +297,9 @@ class Yade(Evaluator):
             return instance
         if name == "Omega":
             return SCENE
-        made = self.body_calls.function(name, owner, instance)
-        return instance if made else self.function(name, owner, instance)
+        if self.body_calls.function(name, owner, instance):
+            return instance
+        return self.function(name, owner, instance)
 
     def function(self, name: str, owner: Any, instance: Instance) -> Any:
         """A function that makes no bodies."""

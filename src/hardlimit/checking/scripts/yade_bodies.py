@@ -106,8 +106,8 @@ class BodyCalls:
         """``O.bodies.append``: bodies, lists of them, or packings."""
         scene = self.scene
         for part in flat([*instance.arguments, *instance.attributes.values()]):
-            made = part.made if isinstance(part, Instance) else []
-            bodies = [body for body in made if isinstance(body, Body)]
+            elements = part.made if isinstance(part, Instance) else []
+            bodies = [body for body in elements if isinstance(body, Body)]
             spheres = [body for body in bodies if body.kind == "sphere"]
             scene.bodies += bodies
             scene.filling.census.lots += [body.lot for body in spheres]
