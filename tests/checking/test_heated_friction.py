@@ -48,7 +48,7 @@ def one(phi: float, d: int = 3) -> theory.Gas:
 # --- theory -------------------------------------------------------------------------------------------------------
 
 
-@draws(20, few=1)
+@draws(10, few=1)
 @given(
     log_floats(1e-3, 3.0), st.floats(0.3, 5.0), st.floats(0.3, 0.99), st.floats(0.0, 1.0), log_floats(1e-9, 1e-3),
     st.integers(2, 3),
