@@ -736,7 +736,8 @@ def test_a_flow_asks_for_what_its_inertial_number_needs(options, words):
     verdict = hl.check(text, pressure=10.0, **options)
     assert verdict.state.name == "flow" and words in verdict.sentence and "--shear" not in verdict.sentence
     needs = verdict.state.inertial_number_needs
-    assert (needs is None) is (verdict.state.inertial_number is not None)
+    assert (needs == ()) is (verdict.state.inertial_number is not None)
+    assert set(needs).isdisjoint(options)
 
 
 def test_a_flow_asks_for_its_shear_rate_and_its_pressure():

@@ -1525,6 +1525,24 @@ SHAKEN = {  # a floor that shakes along an axis with amplitude and period, in ea
 }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("grains", "wall", "option"), [(0.3, 0.3, " --friction 0.3)"), (0.3, 0.5, None), (0.0, 0.0, ")")]
+)
+def test_the_comparison_of_a_shaken_box_has_its_friction(grains, wall, option):
+    """One coefficient is an option of it; several are not, and no command is named."""
+    text = SHAKEN["formula"]("z", 1e-3, 0.02)
+    pair, side = (
+        next(line for line in text.splitlines() if line.startswith(name))
+        for name in ("pair_coeff", "fix floor")
+    )
+    for line, mu in ((pair, grains), (side, wall)):
+        changed = re.sub(r"linear_nohistory \S+ \S+", f"linear_nohistory {mu} {mu}", line)
+        text = text.replace(line, changed)
+    sentence = hl.check(text, **QUIET).sentence
+    assert ("gas compare" in sentence) is (option is not None)
+    assert option is None or f"--shake 1mm:50Hz{option}" in sentence
+
+
 @pytest.mark.parametrize("size", [2e-5, 1e-3])
 def test_a_floor_of_grains_above_a_wall_that_does_not_move(size):
     """Up to Γ = 1 grains rest on it; beyond, whether they fall past it onto the wall is not known."""

@@ -126,11 +126,10 @@ def _driven(rows: Sequence[CheckedContact], question: Question) -> str:
     """What drives the box, and what to do."""
     rubbing = [row for row in rows if row.friction.coefficient != 0.0]
     also = f", grains rub ({_friction(rubbing)})" if rubbing else ""
-    how = (
-        f" (hardlimit gas compare {question.option}{' --friction' * bool(rubbing)})"
-        if question.option
-        else ""
-    )
+    frictions = {row.friction.coefficient for row in rubbing}
+    options = [question.option, *(f"--friction {digits(mu, 4)}" for mu in frictions if mu is not None)]
+    known = question.option and len(frictions) < 2 and None not in frictions
+    how = f" (hardlimit gas compare {' '.join(options)})" if known else ""
     return f"{question.driven}{also}, and {HOMOGENEOUS}: run both{how}"
 
 

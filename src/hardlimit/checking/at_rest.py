@@ -614,7 +614,7 @@ class GrainState:
     restitution: float | None = None  #: ε of this impact
     duration: float | None = None  #: [s] of its contact
     inertial_number: float | None = None  #: I = γ̇ d √(ρ/p)
-    inertial_number_needs: str | None = None  #: of a flow, the options that it lacks: "radius and density"
+    inertial_number_needs: tuple[str, ...] = ()  #: of a flow, the options that it lacks
     largest_inertial_number: float | None = None  #: that below one layer of grains, if p has only a bound
     regime: str | None = None  #: "quasi-static", "dense" or "collisional"; None if p below its bound decides
     collisional_from: float | None = None  #: I where contacts last twice as long as a collision
@@ -697,7 +697,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     contacts = loaded(moving, load.pressure, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
-    inertial = lacking = None
+    inertial, lacking = None, ()
     if load.shear_rate is not None and load.pressure and diameter and density:
         inertial = inertial_number(load.shear_rate, diameter, density, load.pressure)
     elif load.name == "flow":
@@ -798,7 +798,7 @@ def _softened(state: GrainState, contacts: Sequence[Loaded], mix: Mixed | None =
     )
 
 
-def _lacking(load: Load, moving: Sequence[Case]) -> str:
+def _lacking(load: Load, moving: Sequence[Case]) -> tuple[str, ...]:
     """The options that give the inertial number of a flow."""
     sized = [case.first for case in moving if case.first.radius]
     known = {
@@ -808,7 +808,7 @@ def _lacking(load: Load, moving: Sequence[Case]) -> str:
         "density": any(body.mass for body in sized)
         or (not sized and any(case.first.density for case in moving)),
     }
-    return " and ".join(name for name, is_known in known.items() if not is_known)
+    return tuple(name for name, is_known in known.items() if not is_known)
 
 
 def _prepared(overlap: float, contact: Loaded, kappa: float) -> dict[str, Any]:

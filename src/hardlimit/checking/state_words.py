@@ -50,7 +50,7 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
 
 def _needed(state: GrainState) -> str:
     """The options that would give the inertial number of a flow."""
-    options = [f"--{name}" for name in (state.inertial_number_needs or "").split(" and ")]
+    options = [f"--{name}" for name in state.inertial_number_needs]
     options = ["--shear (of the flowing layer)" if name == "--shear" else name for name in options]
     return f"{listed(options)} {'gives' if len(options) == 1 else 'give'} the inertial number"
 
