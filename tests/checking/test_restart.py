@@ -76,6 +76,8 @@ def test_scripts_in_a_row(folder):
     FILL.replace("units si", "units si\nread_restart other.restart"),
     FILL.replace("sphere 15485863", "multisphere 15485863"),
     FILL + "jump SELF\n",  # never ends
+    FILL.replace("run 10000", "fix r all rigid/small molecule\nrun 10000"),
+    FILL.replace("create_box", "bond_style harmonic\ncreate_box"),
     FILL.replace("write_restart", "# write_restart"),
 ])  # fmt: skip
 def test_what_is_not_known_of_the_file_is_not_taken(folder, text):

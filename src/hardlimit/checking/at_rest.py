@@ -697,7 +697,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     contacts = loaded(moving, load.pressure, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
-    inertial, lacking = None, ()
+    inertial, lacking = None, tuple[str, ...]()
     if load.shear_rate is not None and load.pressure and diameter and density:
         inertial = inertial_number(load.shear_rate, diameter, density, load.pressure)
     elif load.name == "flow":

@@ -58,7 +58,7 @@ def written(state: State, name: str) -> None:
     if wanted is None or path_of(state.folder, name) != wanted.path:
         return
     tied = any(note.what.startswith(("clumps", "bonds")) for note in state.invalidates)
-    wanted.understood = not (state.unknown or state.population.elsewhere or tied)
+    wanted.understood = not (state.unknown or tied)
     filling = copy.deepcopy(state.filling)
     filling.insertions, filling.heat, filling.drifts, filling.velocities_known = [], [], {}, False
     wanted.contents = Restart(
