@@ -1,6 +1,7 @@
 """Grains at rest, pressed, flowing and shaken: the number of each state."""
 
 import itertools
+import json
 import math
 import re
 from pathlib import Path
@@ -738,6 +739,10 @@ def test_a_flow_asks_for_what_its_inertial_number_needs(options, words):
     needs = verdict.state.inertial_number_needs
     assert (needs == ()) is (verdict.state.inertial_number is not None)
     assert set(needs).isdisjoint(options)
+    document = verdict.to_dict()
+    assert json.loads(json.dumps(document)) == document and document["state"]["inertial_number_needs"] == [
+        *needs
+    ]
 
 
 def test_a_flow_asks_for_its_shear_rate_and_its_pressure():

@@ -642,7 +642,8 @@ class GrainState:
 
         :meta private:
         """
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
 
 
 GAS: Final = GrainState("gas")
