@@ -124,7 +124,7 @@ struct IntegratedStep {
         if (!(in.length > 0.0)) in.length = longest;
         in.begin(f, state);
         double bound = math::infinity;
-        in.implicit = false;
+        in.implicit = false, in.converged = true;
         if constexpr (FrictionalLaw<Law>)
             if (!network.planar) bound = choose_method(longest);
         const Snapshot<Law> start = state.at(network);
@@ -154,7 +154,10 @@ struct IntegratedStep {
         const double growth = in.implicit ? Radau::growth(error) : DormandPrince::growth(error);
         const bool accepted = error <= 1.0;
         if (!accepted || (!last && length == next) || growth < 1.0) next = length * growth;
-        if (accepted) return end_step(until, length, last);
+        if (accepted) {
+            if (const Progress done = end_step(until, length, last); done.moved || done.event) return done;
+            next = 0.25 * length;
+        }
         return {.failed = next < 1e-20 * scales.time(network)};
     }
 
@@ -270,7 +273,7 @@ private:
         in.implicit = implicit;
         return done;
     }
-    // Takes the step up to the first event or to `until`.
+    // Takes the step up to the first event or to `until`. Does nothing if a part of the step does not converge.
     Progress end_step(double until, double length, bool last) {
         Integrator& in = integrator;
         const auto end = [&] { return in.end[state.layout.time()]; };
@@ -292,11 +295,12 @@ private:
                     if (kind != ContactEvent::none && search.locate_in_surfaces(q, kind, length))
                         event = {kind, q}, last = false;
         if (closes >= 0 && !(event.pair == closes && event.what == ContactEvent::ends)) return {};
-        if (const PairEvent now = ends_within_rounding()) return {.event = now};
         if (event && end() > until) {  // time would have run backwards beyond touch
             end_at_time();
             event = {};
         }
+        if (!in.converged) return {};
+        if (const PairEvent now = ends_within_rounding()) return {.event = now};
         for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
             if (network.pairs[q].fresh && !(event && event.pair == q))
                 network.pairs[q].fresh = search.still_fresh(q);
@@ -351,6 +355,7 @@ private:
             ledger.add_compression(math::max(a.depth, b.depth) / radius);
             if (!(a.rate > 0.0 && b.rate < 0.0)) continue;
             integrator.probe(f, state, length * (a.rate / (a.rate - b.rate)));
+            if (!integrator.converged) continue;
             const Snapshot<Law> trial{network, state.layout, integrator.trial.data()};
             const double* slope = integrator.trial_slope.data();
             const ContactGeometry near = trial.geometry(q);

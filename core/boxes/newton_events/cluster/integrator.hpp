@@ -11,6 +11,7 @@ class Integrator {
 public:
     double length = 0.0;           // of the next step; 0: unknown
     bool implicit = false;         // whether the step is one of SlipStep; with friction only
+    bool converged = true;         // whether all implicit steps since this was set did
     double implicit_length = 0.0;  // of the next such step; 0: unknown
     WorkVector<double> slope, end, end_slope, trial, trial_slope, tolerance;
     WorkVector<double> near, near_slope;  // close to one of these states, for differences
@@ -81,6 +82,7 @@ private:
             if (implicit) {
                 error_ = SlipStep<typename F::Law>(f, tolerance.data(), slip_)
                              .take(state.y.data(), step, out.data());
+                converged = converged && error_ < math::infinity;
                 return;
             }
         std::copy(slope.begin(), slope.end(), stages_.begin());

@@ -79,7 +79,11 @@ private:
             double largest = 0.0;
             for (std::size_t k = 0; k < count; ++k) largest = math::max(largest, turn(k, y, h));
             largest = math::max(largest, move_others(y, h));
-            if (!(largest < math::infinity) || round == most_rounds) return false;
+            if (!(largest < math::infinity)) return false;
+            if (round == most_rounds) {
+                if (largest < 10.0 * little) break;  // rounding of the forces
+                return false;
+            }
             if (largest < little && (largest < 1e-4 * little || largest >= 0.1 * last)) break;
             last = largest;
         }
