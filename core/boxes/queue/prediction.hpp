@@ -15,17 +15,27 @@ HL_FN double time_to(double way, double v) {
     return math::max(0.0, way / v) + standing[math::abs(v) > 0.0];
 }
 
+// √(v² + 2 g way), or NaN. Squares that would underflow are scaled by a power of two, which leaves all other bits.
+HL_FN double speed_after(double v, double g, double way) {
+    const double square = v * v + 2.0 * g * way;
+    if (math::abs(square) > 1e-280) [[likely]]
+        return math::sqrt(square);
+    constexpr double scale = 0x1p500;
+    return math::sqrt((scale * v) * (scale * v) + 2.0 * (scale * g) * (scale * way)) / scale;
+}
+
 // Time during which x + v τ + g τ²/2 stays at or below `high`, if x ≤ high or v leads there. It is the last upward
 // crossing for g > 0 and the first for g < 0, each computed without cancellation.
 HL_FN double time_below(double x, double v, double g, double high) {
     if (g == 0.0) return time_below(x, v, high);
     const double room = v < 0.0 ? high - x : math::max(0.0, high - x);
     if (g > 0.0) {
-        const double root = math::sqrt(math::max(0.0, v * v + 2.0 * g * room));
+        double root = speed_after(v, g, room);
+        if (!(root >= 0.0)) root = 0.0;
         return v > 0.0 ? 2.0 * room / (v + root) : (root - v) / g;
     }
-    const double square = v * v + 2.0 * g * room;
-    return v > 0.0 && square >= 0.0 ? 2.0 * room / (v + math::sqrt(square)) : math::infinity;
+    const double root = speed_after(v, g, room);
+    return v > 0.0 && root >= 0.0 ? 2.0 * room / (v + root) : math::infinity;
 }
 
 // Time until u + v τ + g τ²/2 leaves the interval between two faces, and whether through the upper one. `rounding`:
