@@ -494,6 +494,31 @@ def test_refused_friction(friction: hl.Friction, message: str) -> None:
         by_events(cluster(), law, 1e-3)
 
 
+@pytest.mark.parametrize(
+    "friction",
+    [
+        hl.Friction(0.5, model="mindlin", stiffness_ratio=0.5, damping_ratio=1.0),
+        hl.Friction(0.5, model="mindlin_rescale_force", stiffness_ratio=0.5, damping_ratio=0.1),
+        hl.Friction(1.5, model="mindlin_rescale", stiffness_ratio=0.5, limit="spring"),
+    ],
+)
+def test_a_sphere_thrown_into_a_corner_that_it_touches(friction: hl.Friction) -> None:
+    """Two or three contacts begin at one instant, in a box that fits exactly."""
+    radius = 1e-3
+    law = hl.Tsuji(youngs_modulus=1e7, poisson_ratio=0.3, restitution=0.9, friction=friction)
+    for height, low in ((4.0, 0.0034), (1.0, 0.0034), (1.0, -0.0034)):
+        system = hl.ParticleSystem(
+            [[radius, height * radius, radius]], [[0.02, -0.027, low]], radius, mass=1e-5,
+            box=[2.0 * radius, 8.0 * radius, 2.0 * radius], boundary="wall", angular_velocities=np.zeros((1, 3)),
+        )  # fmt: skip
+        run = by_events(system, law, 1e-4)
+        steps = hl.molecular_dynamics(system, law=law, until=1e-4, engine="steps", time_step=1.5e-9)
+        assert run.outcome_name == "ok"
+        assert run.energy_error < 1e-10
+        np.testing.assert_allclose(run.system.velocities, steps.system.velocities, atol=1e-4 * 0.03)
+        np.testing.assert_allclose(spins_of(run.system), spins_of(steps.system), atol=1e-4 * 30.0)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_lattice_that_touches_everywhere_ends(seed: int) -> None:
     """All contacts begin at one instant, with forces that vanish there: the run says so instead of lasting for ever."""

@@ -49,6 +49,7 @@ public:
 
 private:
     static constexpr int most_rounds = 30;
+    static constexpr std::size_t most_idle = 6;
     static constexpr double little = 1e-2;  // change with which the iteration ends, in units of the tolerance
 
     const Equations<Law>& f_;
@@ -110,7 +111,11 @@ private:
                 matrix[i][j] = limit * d;
             }
             change[i] = 0.5 * (1.0 + at * at) * drive.across - limit * rate;
-            matrix[i][i] += drive.along - at * drive.across;
+            const double pull = drive.along - at * drive.across;
+            // A second contact that begins at the same instant keeps its direction. Where many do, their events take
+            // steps without end, and the run ends here.
+            const bool idle = limit == 0.0 && pull == 0.0 && at_.pairs.size() <= most_idle;
+            matrix[i][i] += idle ? 1.0 : pull;
         }
         Radau::solve(matrix, change);
         double largest = 0.0;
