@@ -127,7 +127,7 @@ MEASURED = {
 }
 
 
-@pytest.mark.parametrize("gas", [gas if k < 6 else slow(gas) for k, gas in enumerate(MEASURED)])
+@pytest.mark.parametrize("gas", [gas if k < 4 else slow(gas) for k, gas in enumerate(MEASURED)])
 def test_the_law_with_friction_is_the_measured_one(gas: tuple[float, ...]) -> None:
     phi, epsilon, mu, rho, theta = gas
     value, error = MEASURED[gas]
@@ -156,7 +156,7 @@ def test_the_rule_constant_has_an_error_of_its_own() -> None:
     assert "0.012 + 0.4" in str(law) and "μ = 0.5" in str(law)
 
 
-@pytest.mark.parametrize("mu", [0.01, 0.1, 1.0])
+@pytest.mark.parametrize("mu", [slow(0.01), 0.1, slow(1.0)])
 def test_elastic_superballs_have_a_law(mu: float) -> None:
     """ρ = 1: exactly the rule constant with β0 = 1, whatever the quadrature makes of it."""
     ball = hl.Ball(1e-3, density=2500.0)
