@@ -187,6 +187,7 @@ def test_reference_counts_of_stick_and_slip(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["dense", "floor", "three bodies"])
+@pytest.mark.slow
 def test_reference_counts_of_stick_and_slip_in_clusters(kind: str, tmp_path: Path) -> None:
     """The same in contacts that overlap, also where the last digits of the moments of inertia differ.
 

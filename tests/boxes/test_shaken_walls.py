@@ -518,7 +518,7 @@ def test_the_least_distance_of_two_walls(
     assert sampled - 1e-3 < least < sampled + 1e-12
 
 
-@pytest.mark.parametrize("every", [5, slow(1)])
+@pytest.mark.parametrize("every", [3, slow(1)])
 def test_a_wall_that_turns_round_meets_a_ball_that_has_just_let_go(every: int) -> None:
     """Its force has ended before the overlap. If the wall jumps in between, a force acts again while they separate."""
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.1)
