@@ -31,7 +31,7 @@ settings.load_profile("hardlimit")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 #: Examples of a property with the fast tests, where it has more.
-FEW = 6
+FEW = 4
 
 _few = True
 _worker = os.environ.get("PYTEST_XDIST_WORKER", "")  #: gw0, gw1, … with xdist

@@ -131,10 +131,10 @@ def test_no_neighbour_is_better(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [12, 16])
-def test_many_balls(n: int) -> None:
+def test_many_balls() -> None:
     """No exchange between two mass ratios, within the limits, makes the top ball faster. Exchanges with the ratio that
     is farthest from its limit suffice: the speed then grows equally with all ratios that may be larger."""
+    n = 12
     best = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01)
     collisions = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
     assert best.masses.size == n and best.speed > collisions.speed_under("newton") + 0.2

@@ -74,16 +74,6 @@ HL_FN_INLINE void prefetch_near(const void* p) {
     __asm__ volatile("" : : "r"(p));
 }
 
-// The same for a line that will be written; other processors give up their copies.
-HL_FN_INLINE void prefetch_to_write(const void* p) {
-#if defined(__x86_64__) || defined(__i386__)
-    __asm__ volatile("prefetchw %0" : : "m"(*static_cast<const char*>(p)));
-#else
-    __builtin_prefetch(p, 1, 2);
-    __asm__ volatile("" : : "r"(p));
-#endif
-}
-
 // In a spin loop: tells the processor to leave resources to its sibling hardware thread.
 inline void relax() {
 #if defined(__x86_64__) || defined(__i386__)

@@ -48,9 +48,6 @@ inline constexpr FrictionModelRecord friction_models[] = {
 constexpr const FrictionModelRecord& record_of(FrictionModel m) {
     return friction_models[static_cast<int>(m)];
 }
-constexpr bool follows_contact_radius(FrictionModel m) {
-    return m != FrictionModel::spring && m != FrictionModel::none;
-}
 
 // Friction as the user gives it. NaN: not given.
 struct Friction {

@@ -147,7 +147,7 @@ RUBBING: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("name", RUBBING)
-@draws(20, few=4)
+@draws(12, few=3)
 @given(seed=st.integers(0, 2**20), law=st.sampled_from(LAWS))
 def test_energy_of_grains_that_rub(name: str, seed: int, law: hl.Law) -> None:
     rough = law.replace(friction=hl.Friction(0.5, stiffness_ratio=0.8))

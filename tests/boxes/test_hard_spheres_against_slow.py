@@ -167,5 +167,5 @@ def test_same_events_where_a_soft_contact_at_a_wall_ends_within_it() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("rule", "block"), list(itertools.product(RULES, range(2))))
 def test_same_events_in_many_systems(rule: str, block: int) -> None:
-    for seed in (*range(6 * block + 3, 6 * block + 9), *range(1000 + 50 * block, 1050 + 50 * block)):
+    for seed in (*range(6 * block + 3, 6 * block + 9), *range(1000 + 30 * block, 1030 + 30 * block)):
         assert_same_events(seed, rule)

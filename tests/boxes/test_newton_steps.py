@@ -250,7 +250,7 @@ def column_in_a_box(column, top):
     return hl.ParticleSystem(at, velocities, radii, mass=mass, **shape)
 
 
-@pytest.mark.parametrize("name", sorted(hl.LAWS))
+@pytest.mark.parametrize("name", [name if name == "tsuji" else slow(name) for name in sorted(hl.LAWS)])
 @pytest.mark.parametrize("gravity", [slow(0.0), 9.81])
 def test_a_column_of_balls_in_a_box_is_that_of_newton(name, gravity):
     law = law_of(name, 0.8)
@@ -287,7 +287,7 @@ def crowded(seed, dimension):
     return hl.ParticleSystem(at, velocities, radius, 2500.0, box=box, boundary=sides, gravity=gravity)
 
 
-@pytest.mark.parametrize("restitution", [math.exp(-2.0), *map(slow, (0.01, 0.03, 0.3, 0.6, 0.9))])
+@pytest.mark.parametrize("restitution", [math.exp(-2.0), *map(slow, (0.01, 0.3, 0.9))])
 @pytest.mark.parametrize("name", [name if name == "linear" else slow(name) for name in sorted(hl.LAWS)])
 def test_states_and_energies_agree_with_those_by_events(name, restitution):
     """With the default step to a few times its error, energies at every sample; with a finer step more accurately."""

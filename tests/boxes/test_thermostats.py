@@ -341,7 +341,9 @@ def test_a_bath_sets_the_rotational_temperature(d: int) -> None:
         assert part.mean() == pytest.approx(0.01, abs=5.0 * 0.01 * math.sqrt(2.0 / part.size))
 
 
-@pytest.mark.parametrize("thermostat", [SPINNING, hl.Andersen(0.09, 500.0, rotational=0.05, interval=5e-4)])
+@pytest.mark.parametrize(
+    "thermostat", [slow(SPINNING), hl.Andersen(0.09, 500.0, rotational=0.05, interval=5e-4)]
+)
 def test_heat_of_spins_closes_the_balance_and_resumes(thermostat: Any, tmp_path: Path) -> None:
     """Energy within the error of the step; checkpoints and threads keep the bits; parts continue the kicks."""
     system = gas(60, thermostat, packing_fraction=0.3, rms_spin="equal")

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from test_check import CLIPPED, FALL, HERTZ, LIGGGHTS, SHAKEN, WALL, YADE_BOX, script
 
 import hardlimit as hl
-from conftest import refusal
+from conftest import refusal, slow
 from hardlimit.checking import at_rest, cases, mixture
 from hardlimit.checking.scripts import census
 
@@ -620,12 +620,13 @@ def test_the_inertial_number_decides_on_the_regime():
     assert at_rest.regime(border, border) == "collisional"
 
 
-def test_a_bound_of_the_pressure_has_a_regime_where_all_pressures_have_it():
+@pytest.mark.parametrize("boxes", [18, slow(40)])
+def test_a_bound_of_the_pressure_has_a_regime_where_all_pressures_have_it(boxes):
     """Of random boxes between walls: the regime is that at each pressure from one layer of grains to the bound."""
     random = np.random.default_rng(6)
     walled = script(CLIPPED, FALL, WALL).replace("boundary p p p", "boundary f f f")
     regimes = []
-    for _ in range(40):
+    for _ in range(boxes):
         rate = 10.0 ** random.uniform(-3, 4)
         bed = walled.replace("hooke 1e5", f"hooke {10.0 ** random.uniform(3, 7):.4g}")
         verdict = hl.check(bed, shear_rate=rate)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from command_line import printed, refused, run
-from conftest import draws, log_floats
+from conftest import draws, log_floats, slow
 from hardlimit.boxes.lammps import integration_error, program
 from hardlimit.checking import cases, friction
 from hardlimit.checking.contacts import CheckedContact, KnownBody
@@ -94,19 +94,17 @@ def unsized_of(script: str) -> str:
     return "\n".join([*lines[:-1], "read_data grains.data", lines[-1], ""])
 
 
-def test_systems_of_both_dimensions() -> None:
+@pytest.mark.parametrize(("dimension", "beta"), [slow(3, 0.327), (2, 0.403)])
+def test_systems_of_both_dimensions(dimension: int, beta: float) -> None:
     """The rule in a gas is that of the dimension, of solid spheres and disks."""
     law = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
-    for dimension, beta in ((3, 0.327), (2, 0.403)):
-        system = hl.ParticleSystem.random(
-            n=20, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1, dimension=dimension
-        )
-        verdict = hl.check(system, law=law)
-        assert (
-            verdict.admissible is True
-            and "the same friction (rule law or constant with μ" in verdict.sentence
-        )
-        assert verdict.rows[0].friction.effective_tangential_restitution == pytest.approx(beta, abs=1e-3)
+    system = hl.ParticleSystem.random(
+        n=20, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1, dimension=dimension
+    )
+    verdict = hl.check(system, law=law)
+    assert verdict.admissible is True
+    assert "the same friction (rule law or constant with μ" in verdict.sentence
+    assert verdict.rows[0].friction.effective_tangential_restitution == pytest.approx(beta, abs=1e-3)
 
 
 def test_systems_have_the_spins_of_their_grains() -> None:

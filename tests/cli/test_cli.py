@@ -391,6 +391,7 @@ def test_order_of_the_axes_is_that_of_the_options() -> None:
     assert list(printed("sweep", *MAP[2:], *MAP[:2])["sizes"]) == ["gap", "restitution"]
 
 
+@pytest.mark.slow
 def test_sweep_of_a_variable_with_one_value_per_ball(tmp_path: Path) -> None:
     """The ranges and the picture are those of one ball each; the default of the picture is the highest one."""
     words = ["sweep", *MAP, "--variable", "rebound_height"]

@@ -252,6 +252,7 @@ def compared(*options: object) -> dict:
     return printed("gas", "compare", *small, *options)
 
 
+@pytest.mark.slow
 def test_both_sides_of_a_comparison_rub(tmp_path: Path) -> None:
     """The constant rule has μ of the law, and the β0 that stands for it in a gas."""
     saved = tmp_path / "compared.nc"

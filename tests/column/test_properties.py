@@ -199,7 +199,7 @@ def test_separation_velocity_within_what_the_energy_allows(column):
 
 
 @pytest.mark.slow
-@settings(max_examples=750)
+@settings(max_examples=400)
 @given(columns())
 def test_never_attractive_and_energy_balance_at_length(column):
     until = until_of(column)

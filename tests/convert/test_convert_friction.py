@@ -117,7 +117,7 @@ def test_the_stiffer_of_two_solutions_is_taken():
     nu=st.floats(0.0, 0.5),
     speed=log_floats(0.02, 10.0),
 )
-@draws(4, 1)
+@draws(2, 1)
 def test_there_and_back(name, model, restitution, coefficient, beta, nu, speed):
     """Numbers give the β0 that is wanted, or it is outside what they can give; ε is as without friction."""
     source = code(name).model(model)

@@ -270,6 +270,6 @@ def yade(text, wall, grains, time_step, steps, folder):
 
 
 @pytest.mark.skipif(which("yade") is None, reason="yade is not installed")
-@pytest.mark.parametrize("model,wall", cases("yade", ("viscel", True), ("hertz-en", False)))
+@pytest.mark.parametrize("model,wall", cases("yade", ("viscel", True)))
 def test_yade_has_the_tangential_restitution(model, wall, tmp_path):
     assert largest_error(conversion("yade", model), wall, yade, tmp_path) < LARGEST

@@ -186,8 +186,8 @@ def measured():
 
 @pytest.mark.parametrize(
     "kind",
-    ["rdf", "profiles of spins", "steady", *map(slow, (
-     "profiles", "rdf over time", "a2 over time", "an observable", "msd", "mean velocity",
+    ["profiles of spins", "steady", *map(slow, (
+     "rdf", "profiles", "rdf over time", "a2 over time", "an observable", "msd", "mean velocity",
      "coordination", "steady numbers", "steady of a transient"))],
 )  # fmt: skip
 def test_each_has_a_picture(kind, measured):

@@ -71,7 +71,7 @@ def random_column(seed: int) -> hl.Column:
 
 
 #: A fall and a cradle with every run, the others with the slow ones.
-SEEDS = [seed if seed in (1, 9) else slow(seed) for seed in range(10)]
+SEEDS = [seed if seed == 1 else slow(seed) for seed in range(10)]
 
 
 def texts(figure) -> str:
@@ -256,7 +256,7 @@ FRICTION = {
 @pytest.mark.parametrize(
     ("friction", "tan"),
     [
-        impact if impact in (("smooth", 0.0), ("spring", 0.4)) else slow(*impact)
+        impact if impact == ("spring", 0.4) else slow(*impact)
         for impact in product(FRICTION, (0.0, 0.4, -2.0, 8.0))
     ],
 )

@@ -246,7 +246,7 @@ def test_every_chunk_comes_once() -> None:
 # --- refusals -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1:1", "nowhere", 3])
+@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1:1", slow("nowhere"), slow(3)])
 def test_an_invalid_scheduler_is_refused(scheduler: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(connecting, "TIMEOUT", "0.5s")
     with pytest.raises(ValueError, match="must be the address of a scheduler that answers") as refused:

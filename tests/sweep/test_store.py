@@ -569,7 +569,7 @@ def test_two_may_make_a_store_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, slow(errno.EDQUOT), slow(errno.EIO)])
-@pytest.mark.parametrize("name", ["n_contacts", "t_end", "outcome"])
+@pytest.mark.parametrize("name", [slow("n_contacts"), slow("t_end"), "outcome"])
 def test_a_write_that_fails_is_one_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int, name: str
 ) -> None:

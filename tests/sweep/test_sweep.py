@@ -360,8 +360,6 @@ def test_models_that_do_not_fit() -> None:
 
 # --- any number of balls, values of each ball ---------------------------------------------------------------
 
-SOFT_LAW = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5)
-
 
 def random_law(random: np.random.Generator, kind: str) -> Law:
     restitution = float(random.uniform(0.3, 1.0))

@@ -71,9 +71,6 @@ struct Box {
     double fastest_wall() const {
         return most_of_walls([](const WallMotion& m) { return math::abs(m.velocity) + m.fastest(); });
     }
-    double greatest_wall_acceleration() const {
-        return most_of_walls([](const WallMotion& m) { return m.greatest_acceleration(); });
-    }
     // Bound on the distance of a wall from its rest place up to a time [m].
     double farthest_wall(double time) const {
         return most_of_walls([=](const WallMotion& m) {

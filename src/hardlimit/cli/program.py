@@ -40,7 +40,6 @@ PYTHON = re.compile(
 LAW_NAMES = {law.__name__: name for name, law in LAWS.items()}
 
 FAILURE = 1
-BAD_INPUT = 2
 #: Schedulers may send a signal to all processes and through their parents: time in which it counts as one [s].
 REPEATED = 1.0
 #: Time after which a signal is tried again that comes while a destructor runs [s].
