@@ -756,6 +756,23 @@ def test_stiffness_has_its_unit():
     assert re.search(r"a stiffness of \S+ Pa", hl.check(script(pair), **options).sentence)
 
 
+def test_what_a_steady_state_lacks_is_asked_for():
+    """No speed beside a shear rate that excludes it; in its place where no steady state is known."""
+    law = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
+    verdict = hl.check(BEAD, law=law, shear_rate=100.0)
+    assert verdict.missing == ("packing",) and "(give --dump, or --packing-fraction)" in verdict.sentence
+    for restitution, why in ((0.3, "ε from 0.5 on"), (1.0, "heat for ever")):
+        verdict = hl.check(
+            BEAD, law=law.replace(restitution=restitution), shear_rate=100.0, packing_fraction=0.2
+        )
+        assert verdict.missing == ("speeds",) and "give --speed instead of --shear" in verdict.sentence
+        assert any(why in remark for remark in verdict.remarks)
+    assert (
+        "give --speed instead of --power"
+        in hl.check(BEAD, law=law.replace(restitution=1.0), power=1e-6, packing_fraction=0.2).sentence
+    )
+
+
 def test_no_speed_is_usual_in_lj_units():
     plain = hl.check(script(HERTZ, units="lj"), packing_fraction=0.3)
     assert [row.speed for row in plain.rows] == [None] and "lj units have no usual one" in " ".join(
@@ -1540,7 +1557,7 @@ def test_the_comparison_of_a_shaken_box_has_its_friction(grains, wall, option):
         text = text.replace(line, changed)
     sentence = hl.check(text, **QUIET).sentence
     assert ("gas compare" in sentence) is (option is not None)
-    assert option is None or f"--shake 1mm:50Hz{option}" in sentence
+    assert option is None or f"--shake 1mm:50Hz --gravity 9.81 --radius 1mm{option}" in sentence
 
 
 @pytest.mark.parametrize("size", [2e-5, 1e-3])

@@ -232,7 +232,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
         details(verdict)
         for line in state_words.details(verdict):
             say(line)
-    say(lists(verdict, verbose))
+    if summary := lists(verdict, verbose):
+        say(summary)
     more = " More: --verbose." if verdict.admissible is False and not verbose else ""
     corrected = corrections(verdict)
     if corrected:  # a quoted statement stands alone
