@@ -773,6 +773,36 @@ def test_what_a_steady_state_lacks_is_asked_for():
     )
 
 
+def test_soft_grains_that_overlap_deeply_are_no_advice():
+    """A strong bath leaves an error below 1 % where overlaps are larger than any contact law describes."""
+    bath = hl.Andersen(0.1, 1e4)
+    box = hl.ParticleSystem.random(100, 0.05, radius=1e-3, density=2500.0, rms_speed=0.5, thermostat=bath)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.98)
+    verdict = hl.check(box, law=law)
+    assert re.search(
+        r"from 1e6, but overlaps are then \S+ % of R, and contact laws hold up to 5 %\.", verdict.sentence
+    )
+    row = verdict.rows[0]
+    soft = hl.check(box, law=law.replace(stiffness=row.spring[2])).rows[0]
+    assert soft.largest_overlap > 0.05
+    assert soft.largest_overlap == pytest.approx(row.softened_overlap, rel=1e-3)
+    gas = hl.check(BEAD, law=law, speed=0.3, packing_fraction=0.4)
+    assert "you may soften" in gas.sentence and "overlaps are then" not in gas.sentence
+
+
+def test_no_steady_state_is_said_beside_unknown_speeds():
+    """One pair is too dissipative for kinetic theory of shear; the others have a speed."""
+    text = script(
+        CLIPPED.replace("pair_coeff * *", "pair_coeff 1 1").replace("0.9", "0.3")
+        + "\n" + CLIPPED.splitlines()[1].replace("* *", "2 2") + "\n" + CLIPPED.splitlines()[1].replace("* *", "1 2"),
+        "create_atoms 2 random 100 8 box", "fix s all deform 1 xy erate 10 remap v",
+        grains="set type * diameter 2e-3 density 2500",
+    ).replace("create_box 1", "create_box 2")  # fmt: skip
+    verdict = hl.check(text, packing_fraction=0.2)
+    assert {row.types for row in verdict.rows if row.speed is None} == {("1", "1")}
+    assert verdict.missing == ("speeds",) and "steady state" not in verdict.sentence
+
+
 def test_no_speed_is_usual_in_lj_units():
     plain = hl.check(script(HERTZ, units="lj"), packing_fraction=0.3)
     assert [row.speed for row in plain.rows] == [None] and "lj units have no usual one" in " ".join(
@@ -848,8 +878,8 @@ CONTACT = {
     "density": MAYBE, "restitution_asked": MAYBE, "restitution": MAYBE, "clipped": bool | None, "speed": MAYBE,
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
-    "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
-    "other_versions": list, "smooth_error": MAYBE, "extrapolated": str,
+    "softening": MAYBE, "softened_overlap": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str,
+    "error": dict, "other_versions": list, "smooth_error": MAYBE, "extrapolated": str,
     "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": dict, "frictionless_error": MAYBE,
     "temperature_ratio": MAYBE,
 }  # fmt: skip

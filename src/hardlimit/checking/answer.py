@@ -8,7 +8,7 @@ from decimal import ROUND_CEILING, Context
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..support.formatting import digits, listed, percent, percent_with_error
-from .contacts import CheckedContact
+from .contacts import COMPRESSED, CheckedContact
 from .drive import Drive
 from .expectation import ACCEPTED
 from .result import Finding
@@ -209,10 +209,8 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
 
 def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> str:
     """From where the speed of a driven gas comes; rows in SI units."""
-    pairs = [
-        row for row in rows if row.types[1] != "wall" and row.speed is not None and row.tc_nu is not None
-    ]
-    if drive is None or not pairs:
+    pairs = [row for row in rows if row.types[1] != "wall"]
+    if drive is None or not pairs or any(row.speed is None or row.tc_nu is None for row in pairs):
         return ""
     worst = max(pairs, key=lambda row: row.tc_nu or 0.0)
     speed = worst.speed or 0.0
@@ -295,7 +293,11 @@ def _may(row: CheckedContact) -> str:
     if row.spring is None or softer >= 1.0:
         return f"{percent(ACCEPTED)} allows {_at_least(softer)} times the stiffness"
     name, value, needed = row.spring
-    return f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+    text = f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+    overlap = row.softened_overlap or 0.0
+    if overlap <= COMPRESSED:
+        return text
+    return f"{text}, but overlaps are then {percent(overlap)} of R, and contact laws hold up to {percent(COMPRESSED)}"
 
 
 def stiffness(name: str) -> str:

@@ -36,7 +36,7 @@ from . import (
     stated,
 )
 from .at_rest import GrainState
-from .contacts import Case, CheckedContact, Surroundings, examine
+from .contacts import COMPRESSED, Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Inferred, Verdict
 from .scripts import Bath, Description, Grains, Note, Quote, Stage
@@ -62,8 +62,6 @@ FEW_REST: Final[dict[float | None, str]] = {
     1.0: "the grain comes to rest under gravity",
     2.0: "the two grains come to rest under gravity",
 }
-#: Largest overlap over the radius that contact laws describe.
-COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
 CHOSEN_SPEEDS: Final = (0.01, 0.1, 1.0)
 #: Units of force and length of each system of units.
