@@ -790,6 +790,25 @@ def test_soft_grains_that_overlap_deeply_are_no_advice():
     assert "you may soften" in gas.sentence and "overlaps are then" not in gas.sentence
 
 
+def test_no_softening_is_advised_that_is_hardly_one():
+    gas = {"speed": 0.3, "packing_fraction": 0.3}
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    needed = hl.check(BEAD, law=law, **gas).rows[0].spring[2]
+    verdict = hl.check(BEAD, law=law.replace(stiffness=1.03 * needed), **gas)
+    assert verdict.admissible and "less than 1 %; 1 % takes nearly this stiffness." in verdict.sentence
+
+
+@pytest.mark.parametrize(("restitution", "stiffness_ratio"), [(0.5, 1.0), (0.8, 0.9)])
+def test_what_the_constant_rule_changes_is_said_with_its_sign(restitution, stiffness_ratio):
+    friction = hl.Friction(1.0, stiffness_ratio=stiffness_ratio)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=restitution, friction=friction)
+    verdict = hl.check(BEAD, law=law, speed=0.3, packing_fraction=0.2)
+    errors = verdict.rows[0].error
+    added = errors["constant"][0] - errors["law"][0]
+    way = "faster" if added > 0.0 else "more slowly"
+    assert abs(added) > 0.001 and re.search(rf"β0 \S+, which cools \S+ % {way}\)", verdict.sentence)
+
+
 def test_no_steady_state_is_said_beside_unknown_speeds():
     """One pair is too dissipative for kinetic theory of shear; the others have a speed."""
     text = script(

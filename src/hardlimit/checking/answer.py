@@ -40,6 +40,8 @@ WAYS = {
 }
 #: Smallest error that the rule constant adds to that of the rule law which is said.
 SMALLEST_ADDED = 0.001
+#: Share of a stiffness from which on less is no advice.
+HARDLY_SOFTER = 0.9
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 
@@ -183,7 +185,8 @@ def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:
         constant = (
             f" or constant with μ {digits(row.friction.coefficient or 0.0, 3)} and β0 {digits(beta, 2)}"
         )
-        constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
+        if abs(added) >= SMALLEST_ADDED:
+            constant += f", which cools {percent(abs(added))} {'faster' if added > 0.0 else 'more slowly'}"
     without = ""
     if value is not None:
         way = WAYS[question.quantity][value < 0.0]
@@ -293,6 +296,8 @@ def _may(row: CheckedContact) -> str:
     if row.spring is None or softer >= 1.0:
         return f"{percent(ACCEPTED)} allows {_at_least(softer)} times the stiffness"
     name, value, needed = row.spring
+    if needed > HARDLY_SOFTER * value:
+        return f"{percent(ACCEPTED)} takes nearly this stiffness"
     text = f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
     overlap = row.softened_overlap or 0.0
     if overlap <= COMPRESSED:
