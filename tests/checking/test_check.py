@@ -7,6 +7,7 @@ import math
 import pickle
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from hardlimit.cli.check import cells, corrections
 from hardlimit.support.formatting import listed
 
 BEAD = hl.Ball(1e-3, density=2500.0)
+DATA = Path(__file__).parent / "data"
 NUMBERS = (
     "--radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 --speed 0.3m/s --packing-fraction 0.3"
 )
@@ -788,6 +790,19 @@ def test_soft_grains_that_overlap_deeply_are_no_advice():
     assert soft.largest_overlap == pytest.approx(row.softened_overlap, rel=1e-3)
     gas = hl.check(BEAD, law=law, speed=0.3, packing_fraction=0.4)
     assert "you may soften" in gas.sentence and "overlaps are then" not in gas.sentence
+
+
+def test_one_speed_is_refused_without_an_index():
+    numbers = NUMBERS.replace("--speed 0.3m/s", "").split()
+    assert "--speed: got nan" in refused("check", *numbers, "--speed", "nan")
+    assert "--speed[1]: got 1e+200" in refused("check", *numbers, "--speed", "0.1:1e200")
+    assert printed("check", *numbers, "--speed", "0.1:0.3m/s")["contacts"][-1]["speed"] == 0.3
+
+
+def test_a_mean_in_a_corrected_line_has_no_rounding_error():
+    text = (DATA / "states" / "yade_impact").read_text(encoding="utf-8")
+    (line,) = [line for line in hl.check(text).corrected if "in place of 0.6" in line and "ball" in line]
+    assert "in place of 0.65: " in line
 
 
 def test_no_softening_is_advised_that_is_hardly_one():
