@@ -57,7 +57,10 @@ class Grains:
             pick.choice((2 / 7, 0.8, pick.uniform(0.1, 2.0))),
             pick.choice((0.0, 0.5, 1.0)),
         )
-        self.model, self.limited = pick.choice(("hooke", "hertz/material", "gran/hooke")), pick.random() < 0.5
+        self.model, self.limited = (
+            pick.choice(("hooke", "hertz", "hertz/material", "gran/hooke")),
+            pick.random() < 0.5,
+        )
         self.packing, self.number = pick.uniform(0.05, 0.5), pick.choice((1, 2, 50, 1000, 20000))
         self.place, self.other = pick.random(), pick.random()
         self.state = pick.choice(
@@ -126,6 +129,10 @@ class Grains:
             if self.model == "hertz/material":
                 modulus = q(self.stiffness / self.radius, *PRESSURE)
                 return f"hertz/material {modulus} {e} 0.3 damping tsuji tangential mindlin_rescale NULL {rubs}{clipped}"
+            if self.model == "hertz":  # whose ε depends on the speed
+                damping = q(0.3 * (1.0 - e) / self.radius * math.sqrt(self.stiffness / self.mass), 0, -1, -1)
+                normal = f"hertz {q(self.stiffness / self.radius, *PRESSURE)} {damping} damping viscoelastic"
+                return f"{normal} tangential linear_nohistory 0.0 0.0{clipped}"
             return f"hooke {q(self.stiffness, 1, 0, -2)} {e} damping coeff_restitution tangential {spring}{clipped}"
 
         names = names[: len(self.radii)]
@@ -238,7 +245,7 @@ def differences(first, second, dimension, scales=(1.0, 1.0, 1.0)):
             yield "/".join(path), value, other
 
 
-SEEDS = [seed if seed < 8 else slow(seed) for seed in range(200)]
+SEEDS = [seed if seed < 8 else slow(seed) for seed in range(100)]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -292,7 +299,7 @@ def test_a_script_in_lj_units_scales(seed):
     grains, pick = Grains(seed), random.Random(seed)
     scales = tuple(10.0 ** pick.uniform(-3, 3) for _ in range(3))
     verdict = hl.check(grains.script(), **grains.options())
-    if verdict.speeds_chosen or verdict.state.speed_is_chosen or grains.model == "hertz/material":
+    if verdict.speeds_chosen or verdict.state.speed_is_chosen or grains.model.startswith("hertz"):
         pytest.skip("depends on a speed that was chosen")
     scaled = hl.check(grains.script("lj", scales), **grains.options(*scales))
     assert [*differences(verdict, scaled, grains.dimension, scales)] == []
