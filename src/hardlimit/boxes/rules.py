@@ -94,7 +94,10 @@ class Settings:
         return bool(self.friction) or (self.law is not None and rubs(self.law))
 
     def report(self, of_law: Callable[[Law], str] = repr) -> str:
-        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``."""
+        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``.
+
+        :meta private:
+        """
         parts = [self.rule]
         parts += [] if self.restitution is None else [f"restitution {self.restitution:g}"]
         if self.friction is not None:
