@@ -194,6 +194,13 @@ def test_what_is_not_known_with_friction_is_refused() -> None:
 def test_numbers_outside_the_measured_range_are_said_to_be_so() -> None:
     outside = rubbing(1.5, 1.0)
     assert "μ = 1.5 is outside the measured range 0 to 1" in outside.extrapolated
+    disks = hl.error_law(
+        packing_fraction=0.75, restitution=0.5, dimension=2, friction=hl.Friction(0.5, stiffness_ratio=0.5)
+    )
+    assert disks.extrapolated == (  # ε once, with the narrower range
+        "the packing fraction 0.75 is outside the measured range 0.05 to 0.7 and "
+        "ε = 0.5 is outside the measured range 0.7 to 0.99"
+    )
     assert outside.coefficient_error > 2.0 * rubbing(1.0, 1.0).coefficient_error
     assert not rubbing(0.5, 1.0, epsilon=0.99).extrapolated
     assert "ε = 0.999 is outside" in rubbing(0.5, 1.0, epsilon=0.999).extrapolated

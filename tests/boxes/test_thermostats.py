@@ -18,6 +18,7 @@ from conftest import refusal, slow
 from hardlimit.boxes import checkpoint, engines, observe, thermostats
 from hardlimit.boxes import run as running
 from hardlimit.boxes.engines import Engine
+from hardlimit.boxes.system import described
 from hardlimit.support import saving
 
 KICKS = hl.RandomKicks(power=1e-3, interval=5e-4, seed=3)
@@ -397,6 +398,19 @@ def test_a_thermostat_without_rotation_is_written_as_before() -> None:
     assert "rotational" not in thermostats.as_entry(KICKS)
     assert repr(SPINNING) == "RandomKicks(interval=0.0005, seed=3, kicks=0, power=0.001, rotational=0.002)"
     assert thermostats.from_entry(thermostats.as_entry(SPINNING)) == SPINNING != KICKS
+
+
+def test_tables_say_in_words_what_drives_a_box() -> None:
+    assert KICKS.report() == "random kicks, power 1 mW, every 500 µs"
+    assert SPINNING.report() == "random kicks, power 1 mW and 2 mW of the spins, every 500 µs"
+    bath = hl.Andersen(0.1, 50.0, rotational=0.2)
+    assert bath.report() == "Andersen’s bath, 0.1 m²/s² and 0.2 m²/s² of the spins, rate 50/s"
+    wall = hl.MovingWall(amplitude=5e-5, frequency=50.0, phase=1.0, velocity=-0.1, offset=1e-3)
+    assert wall.report() == (
+        "sine, amplitude 50 µm, frequency 50 Hz, phase 1 rad, velocity −100 mm/s, offset 1 mm"
+    )
+    system = gas(10, SPINNING, packing_fraction=0.01, rms_spin=1.0)
+    assert SPINNING.report() in dict(described(system)).values()
 
 
 def test_results_continue_with_new_kicks() -> None:

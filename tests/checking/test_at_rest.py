@@ -110,6 +110,14 @@ def test_numbers_without_dimension_do_not_depend_on_units():
         assert beds[1].stiffness_for_rigid == pytest.approx(1e3 * beds[0].stiffness_for_rigid)
 
 
+@pytest.mark.parametrize("frequency", [1.0, 1e6, 1e12])
+def test_the_stable_step_has_a_relative_tolerance(frequency):
+    """One damped oscillator: h ω = 2 (√(1 + ζ²) − ζ), also of small grains with steps of a picosecond."""
+    zeta = 0.7
+    step = at_rest.stable_step(lambda h: frequency**2 + 4.0 * zeta * frequency / h)
+    assert frequency * step == pytest.approx(2.0 * (math.sqrt(1.0 + zeta**2) - zeta), rel=1e-8)
+
+
 def test_lj_units_have_no_names():
     lj = script(CLIPPED, FALL, WALL, units="lj", grains="set type 1 diameter 1 density 1")
     verdict = hl.check(lj, height=10.0)

@@ -7,6 +7,7 @@ import math
 import pickle
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from hardlimit.cli.check import cells, corrections
 from hardlimit.support.formatting import listed
 
 BEAD = hl.Ball(1e-3, density=2500.0)
+DATA = Path(__file__).parent / "data"
 NUMBERS = (
     "--radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 --speed 0.3m/s --packing-fraction 0.3"
 )
@@ -756,6 +758,85 @@ def test_stiffness_has_its_unit():
     assert re.search(r"a stiffness of \S+ Pa", hl.check(script(pair), **options).sentence)
 
 
+def test_what_a_steady_state_lacks_is_asked_for():
+    """No speed beside a shear rate that excludes it; in its place where no steady state is known."""
+    law = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
+    verdict = hl.check(BEAD, law=law, shear_rate=100.0)
+    assert verdict.missing == ("packing",) and "(give --dump, or --packing-fraction)" in verdict.sentence
+    for restitution, why in ((0.3, "ε from 0.5 on"), (1.0, "heat for ever")):
+        verdict = hl.check(
+            BEAD, law=law.replace(restitution=restitution), shear_rate=100.0, packing_fraction=0.2
+        )
+        assert verdict.missing == ("speeds",) and "give --speed instead of --shear" in verdict.sentence
+        assert any(why in remark for remark in verdict.remarks)
+    assert (
+        "give --speed instead of --power"
+        in hl.check(BEAD, law=law.replace(restitution=1.0), power=1e-6, packing_fraction=0.2).sentence
+    )
+
+
+def test_soft_grains_that_overlap_deeply_are_no_advice():
+    """A strong bath leaves an error below 1 % where overlaps are larger than any contact law describes."""
+    bath = hl.Andersen(0.1, 1e4)
+    box = hl.ParticleSystem.random(100, 0.05, radius=1e-3, density=2500.0, rms_speed=0.5, thermostat=bath)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.98)
+    verdict = hl.check(box, law=law)
+    assert re.search(
+        r"from 1e6, but overlaps are then \S+ % of R, and contact laws hold up to 5 %\.", verdict.sentence
+    )
+    row = verdict.rows[0]
+    soft = hl.check(box, law=law.replace(stiffness=row.spring[2])).rows[0]
+    assert soft.largest_overlap > 0.05
+    assert soft.largest_overlap == pytest.approx(row.softened_overlap, rel=1e-3)
+    gas = hl.check(BEAD, law=law, speed=0.3, packing_fraction=0.4)
+    assert "you may soften" in gas.sentence and "overlaps are then" not in gas.sentence
+
+
+def test_one_speed_is_refused_without_an_index():
+    numbers = NUMBERS.replace("--speed 0.3m/s", "").split()
+    assert "--speed: got nan" in refused("check", *numbers, "--speed", "nan")
+    assert "--speed[1]: got 1e+200" in refused("check", *numbers, "--speed", "0.1:1e200")
+    assert printed("check", *numbers, "--speed", "0.1:0.3m/s")["contacts"][-1]["speed"] == 0.3
+
+
+def test_a_mean_in_a_corrected_line_has_no_rounding_error():
+    text = (DATA / "states" / "yade_impact").read_text(encoding="utf-8")
+    (line,) = [line for line in hl.check(text).corrected if "in place of 0.6" in line and "ball" in line]
+    assert "in place of 0.65: " in line
+
+
+def test_no_softening_is_advised_that_is_hardly_one():
+    gas = {"speed": 0.3, "packing_fraction": 0.3}
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    needed = hl.check(BEAD, law=law, **gas).rows[0].spring[2]
+    verdict = hl.check(BEAD, law=law.replace(stiffness=1.03 * needed), **gas)
+    assert verdict.admissible and "less than 1 %; 1 % takes nearly this stiffness." in verdict.sentence
+
+
+@pytest.mark.parametrize(("restitution", "stiffness_ratio"), [(0.5, 1.0), (0.8, 0.9)])
+def test_what_the_constant_rule_changes_is_said_with_its_sign(restitution, stiffness_ratio):
+    friction = hl.Friction(1.0, stiffness_ratio=stiffness_ratio)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=restitution, friction=friction)
+    verdict = hl.check(BEAD, law=law, speed=0.3, packing_fraction=0.2)
+    errors = verdict.rows[0].error
+    added = errors["constant"][0] - errors["law"][0]
+    way = "faster" if added > 0.0 else "more slowly"
+    assert abs(added) > 0.001 and re.search(rf"β0 \S+, which cools \S+ % {way}\)", verdict.sentence)
+
+
+def test_no_steady_state_is_said_beside_unknown_speeds():
+    """One pair is too dissipative for kinetic theory of shear; the others have a speed."""
+    text = script(
+        CLIPPED.replace("pair_coeff * *", "pair_coeff 1 1").replace("0.9", "0.3")
+        + "\n" + CLIPPED.splitlines()[1].replace("* *", "2 2") + "\n" + CLIPPED.splitlines()[1].replace("* *", "1 2"),
+        "create_atoms 2 random 100 8 box", "fix s all deform 1 xy erate 10 remap v",
+        grains="set type * diameter 2e-3 density 2500",
+    ).replace("create_box 1", "create_box 2")  # fmt: skip
+    verdict = hl.check(text, packing_fraction=0.2)
+    assert {row.types for row in verdict.rows if row.speed is None} == {("1", "1")}
+    assert verdict.missing == ("speeds",) and "steady state" not in verdict.sentence
+
+
 def test_no_speed_is_usual_in_lj_units():
     plain = hl.check(script(HERTZ, units="lj"), packing_fraction=0.3)
     assert [row.speed for row in plain.rows] == [None] and "lj units have no usual one" in " ".join(
@@ -831,8 +912,8 @@ CONTACT = {
     "density": MAYBE, "restitution_asked": MAYBE, "restitution": MAYBE, "clipped": bool | None, "speed": MAYBE,
     "duration": MAYBE, "steps_per_contact": int | None, "restitution_error_of_step": MAYBE, "time_step": MAYBE,
     "rayleigh_time": MAYBE, "p_wave_time": MAYBE, "largest_overlap": MAYBE, "tc_nu": MAYBE, "delta_over_d": MAYBE,
-    "softening": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str, "error": dict,
-    "other_versions": list, "smooth_error": MAYBE, "extrapolated": str,
+    "softening": MAYBE, "softened_overlap": MAYBE, "heated_error": MAYBE, "sheared_error": MAYBE, "rule": str,
+    "error": dict, "other_versions": list, "smooth_error": MAYBE, "extrapolated": str,
     "heated_error_bar": MAYBE, "sheared_error_bar": MAYBE, "friction": dict, "frictionless_error": MAYBE,
     "temperature_ratio": MAYBE,
 }  # fmt: skip
@@ -1540,7 +1621,7 @@ def test_the_comparison_of_a_shaken_box_has_its_friction(grains, wall, option):
         text = text.replace(line, changed)
     sentence = hl.check(text, **QUIET).sentence
     assert ("gas compare" in sentence) is (option is not None)
-    assert option is None or f"--shake 1mm:50Hz{option}" in sentence
+    assert option is None or f"--shake 1mm:50Hz --gravity 9.81 --radius 1mm{option}" in sentence
 
 
 @pytest.mark.parametrize("size", [2e-5, 1e-3])

@@ -9,6 +9,7 @@ import pytest
 import hardlimit as hl
 from command_line import printed, refused, run
 from hardlimit.cli.gas_job import GLASS_BEADS
+from hardlimit.support.formatting import digits
 
 SMALL = ["--n", 40, "--packing-fraction", 0.1, "--until", "2ms", "--samples", 4]
 SPRING = ["--stiffness", "1e5", "--restitution", 0.9]
@@ -39,6 +40,7 @@ def test_rough_grains_have_an_infinite_friction() -> None:
     """JSON has no infinity: null."""
     options = ["--friction", "inf", "--tangential-restitution", 1]
     assert printed("gas", *SMALL, *options)["friction"] is None
+    assert printed("gas", *SMALL, "--friction", "infinite", *options[2:]) == printed("gas", *SMALL, *options)
     assert "friction inf, tangential restitution 1" in " ".join(run("gas", *SMALL, *options).stdout.split())
 
 
@@ -56,6 +58,10 @@ def test_a_law_with_friction(engine: list[str]) -> None:
     ]
     output = printed("gas", *SMALL, *SPRING, *options, *engine)
     expected = law(coefficient=0.5, stiffness_ratio=2 / 7, damping=0.01, limit="spring")
+    assert (
+        f"linear law: k {digits(1e5)} N/m, ε 0.9, μ 0.5"
+        in run("gas", *SMALL, *SPRING, *options, *engine).stdout
+    )
     assert output["law"]["friction"] == expected.friction.to_dict()
     if engine:
         result = hl.molecular_dynamics(start(), law=expected, until=0.002, samples=4, engine="steps")

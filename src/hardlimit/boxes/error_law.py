@@ -17,6 +17,7 @@ from .. import _core
 from ..contact.contact import Law
 from ..contact.friction import Friction
 from ..support import validation
+from ..support.formatting import listed
 from . import frictional_error, spins
 from .contacts import mean_contact
 from .rules import RULES
@@ -492,7 +493,8 @@ def with_friction(
     scale = weak * law.mean_duration * _correlations(smooth)
     change = scale * (energy + turn + pressure - third)
     bar = weak * frictional_error.bar(x, turn, pressure, third)
-    outside = setting.outside()
+    # What friction was measured at comes before what smooth grains were.
+    smoothly = _outside(dim, smooth.packing_fraction, 1.0 if "ε" in setting.beyond() else epsilon, law)
     wider = 1.0 + setting.distance()
     constant = smooth.rule == "constant"
     if constant and math.isnan(terms.offset):
@@ -504,7 +506,7 @@ def with_friction(
         coefficient=smooth.coefficient + change,
         coefficient_error=math.hypot(smooth.coefficient_error, bar) * wider,
         source="both",
-        extrapolated=" and ".join(part for part in (smooth.extrapolated, outside) if part),
+        extrapolated=listed(smoothly + setting.outside()),
         friction=friction,
         offset=weak * terms.offset if constant else 0.0,
         offset_error=weak * math.hypot(0.003, 0.5 * terms.offset) if constant else 0.0,
@@ -570,14 +572,14 @@ def of_exponents(dim: int, phi: float, epsilon: float, name: str, powers: Expone
         coefficient=law.coefficient,
         coefficient_error=law.coefficient_error,
         source=source,
-        extrapolated=_outside(dim, phi, epsilon, powers),
+        extrapolated=listed(_outside(dim, phi, epsilon, powers)),
         decay=law.decay,
         stored=delay / powers.energy,
         delay=delay,
     )
 
 
-def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> str:
+def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> list[str]:
     """Which arguments are outside the range of the measurements, in words."""
     (thin, dense), least = MEASURED_PACKING[dimension], MEASURED_RESTITUTION[dimension]
     outside = []
@@ -591,4 +593,4 @@ def _outside(dimension: int, phi: float, epsilon: float, powers: Exponents) -> s
         outside.append(f"the packing fraction {phi:.3g} is outside the measured range {thin:g} to {dense:g}")
     if epsilon < least:
         outside.append(f"the restitution {epsilon:.3g} is below the measured range from {least:g} on")
-    return " and ".join(outside)
+    return outside

@@ -136,20 +136,24 @@ class Setting(NamedTuple):
                 )
         return ""
 
-    def outside(self) -> str:
+    def beyond(self) -> dict[str, tuple[float, float, float]]:
+        """The values outside the range of the measurements by their names, and its ends."""
+        return _beyond(self.values(), MEASURED)
+
+    def outside(self) -> list[str]:
         """Which values are outside the range of the measurements, in words."""
         ranges = [
             f"{name} = {value:.3g} is outside the measured range {low:g} to {high:g}"
-            for name, value, low, high in _beyond(self.values(), MEASURED)
+            for name, (value, low, high) in self.beyond().items()
         ]
-        hertz = ["Hertz' laws with friction were measured at three points only"] * (self.powers != LINEAR)
-        return " and ".join(hertz + ranges)
+        return ["Hertz' laws with friction were measured at three points only"] * (
+            self.powers != LINEAR
+        ) + ranges
 
     def distance(self) -> float:
         """How far outside, for the error bar: 0 inside, 2 where a value is twice as large, 1 for Hertz' laws."""
         far = sum(
-            abs(math.log2(value / min(max(value, low), high)))
-            for _, value, low, high in _beyond(self.values(), MEASURED)
+            abs(math.log2(value / min(max(value, low), high))) for value, low, high in self.beyond().values()
         )
         return 2.0 * far + (self.powers != LINEAR)
 
@@ -158,10 +162,9 @@ class Setting(NamedTuple):
         outside = _beyond({**self.values(), "φ": phi}, MEASURED_HEATED)
         if not outside:
             return ""
-        ranges = listed([f"{low:g} ≤ {name} ≤ {high:g}" for name, _, low, high in outside])
-        return (
-            f"heated gases were measured at {ranges}, not at {listed([f'{row[1]:.3g}' for row in outside])}"
-        )
+        ranges = listed([f"{low:g} ≤ {name} ≤ {high:g}" for name, (_, low, high) in outside.items()])
+        values = listed([f"{value:.3g}" for value, *_ in outside.values()])
+        return f"heated gases were measured at {ranges}, not at {values}"
 
     def contact(self) -> Contact:
         """Two equal grains with a stiffness or a modulus of 1; ε at the mean impact speed."""
@@ -172,16 +175,16 @@ class Setting(NamedTuple):
 
 def _beyond(
     values: Mapping[str, float], measured: Mapping[str, tuple[float, float]]
-) -> list[tuple[str, float, float, float]]:
-    """Names and values outside the measured range, and its ends."""
+) -> dict[str, tuple[float, float, float]]:
+    """The values outside the measured range by their names, and its ends."""
 
     def inside(name: str, value: float, low: float, high: float) -> bool:
         if name == "ε":
             value, low, high = 1.0 - value, 1.0 - high, 1.0 - low
         return low * (1.0 - NEAR) <= value <= high * (1.0 + NEAR)
 
-    ends = ((name, value, *measured[name]) for name, value in values.items())
-    return [beyond for beyond in ends if not inside(*beyond)]
+    ends = {name: (value, *measured[name]) for name, value in values.items()}
+    return {name: beyond for name, beyond in ends.items() if not inside(name, *beyond)}
 
 
 def friction_of(law: Law | None, friction: Friction | None) -> Friction | None:

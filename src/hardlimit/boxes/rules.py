@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final, NamedTuple
 
@@ -93,15 +93,18 @@ class Settings:
         """Whether collisions change spins."""
         return bool(self.friction) or (self.law is not None and rubs(self.law))
 
-    def report(self) -> str:
-        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``."""
+    def report(self, of_law: Callable[[Law], str] = repr) -> str:
+        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``.
+
+        :meta private:
+        """
         parts = [self.rule]
         parts += [] if self.restitution is None else [f"restitution {self.restitution:g}"]
         if self.friction is not None:
             parts.append(
                 f"friction {self.friction:g}, tangential restitution {self.tangential_restitution:g}"
             )
-        parts += [] if self.law is None else [repr(self.law)]
+        parts += [] if self.law is None else [of_law(self.law)]
         for name, value in self.parameters.items():
             unit = "" if PARAMETERS[name] == "1" else f" {PARAMETERS[name]}"
             parts.append(f"{name.replace('_', ' ')} {value:g}{unit}")

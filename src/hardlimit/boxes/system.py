@@ -765,8 +765,8 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
         )
     if system.domain.gradient is not None:
         rows.append(("shear rate [1/s]", digits(system.shear_rate)))
-    rows += [(f"wall {name}", repr(wall)) for name, wall in system.walls.items()]
-    rows += [] if system.thermostat is None else [("thermostat", repr(system.thermostat))]
+    rows += [(f"wall {name}", wall.report()) for name, wall in system.walls.items()]
+    rows += [] if system.thermostat is None else [("thermostat", system.thermostat.report())]
     return rows
 
 

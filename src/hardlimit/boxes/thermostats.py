@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support import validation
+from ..support.formatting import digits, quantity
 from .walls import LARGEST
 
 Floats = NDArray[np.float64]
@@ -130,6 +131,16 @@ class RandomKicks(Thermostat):
             rotational=spinning,
         )
 
+    def report(self) -> str:
+        """In words, for a table.
+
+        :meta private:
+        """
+        spinning = f" and {quantity(self.rotational, 'W')} of the spins" if self.rotational else ""
+        return (
+            f"random kicks, power {quantity(self.power, 'W')}{spinning}, every {quantity(self.interval, 's')}"
+        )
+
     def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
         """The velocities after a kick, from those before it (N, d) [m/s].
 
@@ -228,6 +239,14 @@ class Andersen(Thermostat):
             kicks=validation.whole("kicks", kicks, 0, 2**60),
             rotational=_checked_rotational(rotational),
         )
+
+    def report(self) -> str:
+        """In words, for a table.
+
+        :meta private:
+        """
+        spinning = f" and {digits(self.rotational)} m²/s² of the spins" if self.rotational else ""
+        return f"Andersen’s bath, {digits(self.temperature)} m²/s²{spinning}, rate {digits(self.rate)}/s"
 
     def velocities(self, kick: int, velocities: Floats, mass: Floats) -> Floats:
         """The velocities after a kick, from those before it (N, d) [m/s].

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support import validation
+from ..support.formatting import digits, length, quantity
 
 Floats = NDArray[np.float64]
 AXES: Final = ("x", "y", "z")
@@ -176,6 +177,23 @@ class MovingWall:
             value = getattr(self, name)
             shown += [f"{name}={value:g}"] if value else []
         return f"MovingWall({', '.join(shown)})"
+
+    def report(self) -> str:
+        """Its motion in words, such as ``sine, amplitude 0.5 mm, frequency 50 Hz``.
+
+        :meta private:
+        """
+        shown = []
+        if self.oscillates:
+            shown += [
+                self.waveform,
+                f"amplitude {length(self.amplitude)}",
+                f"frequency {quantity(self.frequency, 'Hz')}",
+            ]
+            shown += [f"phase {digits(self.phase)} rad"] if self.phase else []
+        shown += [f"velocity {quantity(self.velocity, 'm/s')}"] if self.velocity else []
+        shown += [f"offset {length(self.offset)}"] if self.offset else []
+        return ", ".join(shown)
 
 
 def _reduced(phase: float) -> float:

@@ -8,7 +8,7 @@ from decimal import ROUND_CEILING, Context
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..support.formatting import digits, listed, percent, percent_with_error
-from .contacts import CheckedContact
+from .contacts import COMPRESSED, CheckedContact
 from .drive import Drive
 from .expectation import ACCEPTED
 from .result import Finding
@@ -40,6 +40,8 @@ WAYS = {
 }
 #: Smallest error that the rule constant adds to that of the rule law which is said.
 SMALLEST_ADDED = 0.001
+#: Share of a stiffness from which on less is no advice.
+HARDLY_SOFTER = 0.9
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 
@@ -54,6 +56,7 @@ class Question:
     purpose: Drive | None = None  #: what the box is run for, if not to cool
     heats_spins: bool = False  #: whether a thermostat acts on spins, too
     may_be_dense: bool = False  #: whether it is a shear flow whose pressure is not known
+    given: str = ""  #: the option that states what drives it, which excludes a speed
 
 
 def answer(
@@ -182,7 +185,8 @@ def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:
         constant = (
             f" or constant with μ {digits(row.friction.coefficient or 0.0, 3)} and β0 {digits(beta, 2)}"
         )
-        constant += f", which adds {percent(added)}" if abs(added) >= SMALLEST_ADDED else ""
+        if abs(added) >= SMALLEST_ADDED:
+            constant += f", which cools {percent(abs(added))} {'faster' if added > 0.0 else 'more slowly'}"
     without = ""
     if value is not None:
         way = WAYS[question.quantity][value < 0.0]
@@ -198,7 +202,9 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
     if missing:
         are = "is" if list(missing) == ["packing"] else "are"
         pressure = "; --pressure gives the inertial number" * question.may_be_dense
-        return f"{listed(missing)} {are} not known{given_by(missing, question.dumped)}{pressure}"
+        return (
+            f"{listed(missing)} {are} not known{given_by(missing, question.dumped, question.given)}{pressure}"
+        )
     if question.quantity == "cooling":
         return "the error is not known for so dense a packing"
     return f"{ERROR_OF[question.quantity]} is not known for these grains and this packing"
@@ -206,10 +212,8 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
 
 def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> str:
     """From where the speed of a driven gas comes; rows in SI units."""
-    pairs = [
-        row for row in rows if row.types[1] != "wall" and row.speed is not None and row.tc_nu is not None
-    ]
-    if drive is None or not pairs:
+    pairs = [row for row in rows if row.types[1] != "wall"]
+    if drive is None or not pairs or any(row.speed is None or row.tc_nu is None for row in pairs):
         return ""
     worst = max(pairs, key=lambda row: row.tc_nu or 0.0)
     speed = worst.speed or 0.0
@@ -223,11 +227,13 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> 
     return f"{text} ({' '.join(theory)})." if theory else f"{text}."
 
 
-def given_by(missing: Sequence[str], dumped: bool) -> str:
-    """Which options give what is missing."""
+def given_by(missing: Sequence[str], dumped: bool, given: str = "") -> str:
+    """Which options give what is missing, a speed in place of the one that is ``given``."""
     options = [OPTIONS[what] for what in missing if what in OPTIONS]
     if not options:
         return " (they are not in the script)"
+    if given and "speeds" in missing:
+        return f" (no steady state is known; give {listed(options)} instead of {given})"
     return (
         f" (not in the dump; give {listed(options)})" if dumped else f" (give --dump, or {listed(options)})"
     )
@@ -290,7 +296,13 @@ def _may(row: CheckedContact) -> str:
     if row.spring is None or softer >= 1.0:
         return f"{percent(ACCEPTED)} allows {_at_least(softer)} times the stiffness"
     name, value, needed = row.spring
-    return f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+    if needed > HARDLY_SOFTER * value:
+        return f"{percent(ACCEPTED)} takes nearly this stiffness"
+    text = f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+    overlap = row.softened_overlap or 0.0
+    if overlap <= COMPRESSED:
+        return text
+    return f"{text}, but overlaps are then {percent(overlap)} of R, and contact laws hold up to {percent(COMPRESSED)}"
 
 
 def stiffness(name: str) -> str:

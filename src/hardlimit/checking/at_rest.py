@@ -40,7 +40,7 @@ FRICTION_SHARE: Final = {0.1: 0.8, 0.3: 1.0, 0.7: 1.0, 1.0: 0.6}
 LEAST_RESTITUTION, SOFTEST_FLOW = 0.5, 1.5e3
 #: κ_p of flows of which it is not known: stiffer than most.
 STIFF_FLOW: Final = 1e6
-#: Impact speeds between which ε is that of a flow.
+#: Impact speeds [m/s] between which ε is that of a flow.
 FLOW_SPEEDS: Final = (1e-3, 1.0)
 #: Acceleration [m/s²] under which grains rest that are given by numbers.
 GRAVITY: Final = 9.81
@@ -190,18 +190,18 @@ def collisional_from(restitution: float, kappa: float | None, friction: float | 
     return float(share * border)
 
 
-def separating(cases: Sequence[Case], kappa: float | None) -> float:
+def separating(cases: Sequence[Case], kappa: float | None, speed_unit: float) -> float:
     """:func:`collisional_from` of grains with these contacts: the lowest of their frictions."""
     frictions = {case.friction.coefficient for case in cases if case.second is not None} or {None}
-    return min(collisional_from(bounciest(cases), kappa, friction) for friction in frictions)
+    return min(collisional_from(bounciest(cases, speed_unit), kappa, friction) for friction in frictions)
 
 
-def bounciest(cases: Sequence[Case]) -> float:
-    """Largest ε of the contacts between grains; 1 if one is not known."""
+def bounciest(cases: Sequence[Case], speed_unit: float) -> float:
+    """Largest ε of the contacts between grains; 1 if one is not known. ``speed_unit``: 1 m/s in their units."""
     pairs = [case for case in cases if case.second is not None]
     if not pairs or any(case.force is None for case in pairs):
         return 1.0
-    return max(restitution_of(case, speed) for case in pairs for speed in FLOW_SPEEDS)
+    return max(restitution_of(case, speed * speed_unit) for case in pairs for speed in FLOW_SPEEDS)
 
 
 def regime(inertial: float, border: float) -> str:
@@ -272,13 +272,16 @@ def stable_step(eigenvalue: Callable[[float], float]) -> float:
     else:
         return math.inf
 
-    def excess(step: float) -> float:
+    def excess(share: float) -> float:  # of the highest step, since brentq's tolerance is absolute, too
+        step = share * highest
         return step * math.sqrt(eigenvalue(step)) - 2.0
 
-    lowest = highest
+    lowest = 1.0
     while excess(lowest) > 0.0:
         lowest *= 0.5
-    return highest if lowest == highest else float(scipy.optimize.brentq(excess, lowest, highest, rtol=1e-9))
+    return (
+        highest if lowest == 1.0 else highest * float(scipy.optimize.brentq(excess, lowest, 1.0, rtol=1e-9))
+    )
 
 
 # --- contacts ---------------------------------------------------------------------------------------------------
@@ -572,6 +575,7 @@ class Load:
     froude_number: float | None = None  #: of a drum
     centrifuging_radius: float | None = None  #: of a drum of Froude number 1
     layers: int = LAYERS  #: below which numbers are given if the pressure is not known
+    speed_unit: float = 1.0  #: 1 m/s
 
 
 @dataclass(frozen=True)
@@ -656,7 +660,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     if state.inertial_number is None and state.slope_inertial_number is None:
         return state
     kappa, inertial, bound = state.stiffness_number, state.inertial_number, state.pressure_is_bound
-    border = separating(moving, None if bound and inertial is None else kappa)
+    border = separating(moving, None if bound and inertial is None else kappa, load.speed_unit)
     if inertial is None:
         return replace(state, collisional_from=border)
     if not bound:
@@ -673,7 +677,7 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
 
 def _below_a_layer(load: Load, cases: Sequence[Case], state: GrainState, dimension: int) -> Load:
     """The least pressure in a bed, below one layer of grains: there I is largest and the collisional border lowest."""
-    diameter, density = _grain(cases, dimension)
+    diameter, density = _grain(cases, load.kinds, dimension)
     assert state.pressure and diameter and density and load.gravity
     across = load.gravity * math.cos(math.radians(load.tilt or 0.0))
     least = weight(diameter, (state.packing_fraction or 0.0) * density, across)
@@ -682,7 +686,7 @@ def _below_a_layer(load: Load, cases: Sequence[Case], state: GrainState, dimensi
 
 def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, dimension: int) -> GrainState:
     """The state of grains whose contacts have these cases, without the regime of its flow."""
-    diameter, density = _grain(moving, dimension)
+    diameter, density = _grain(moving, load.kinds, dimension)
     if load.name == "shaken" and load.shaking is not None:
         strength = None
         if load.shaking and load.gravity and load.frequency and diameter:
@@ -778,7 +782,10 @@ def _softened(state: GrainState, contacts: Sequence[Loaded], mix: Mixed | None =
     """The state with the numbers of its softest contact, and the mean overlap of all kinds if they are known."""
     pairs = _pairs(contacts)
     numbers = [pair.stiffness_number or 0.0 for pair in pairs]
-    contact, differ = pairs[numbers.index(min(numbers))], len(set(numbers)) > 1
+    least = min(numbers) * (1.0 + AGREEMENT)  # which all disks with one spring have
+    softest = [pair for pair, number in zip(pairs, numbers, strict=True) if number <= least]
+    contact = max(softest, key=lambda pair: (pair.compression or 0.0) / min(pair.radii))
+    differ = len(softest) < len(pairs) or len({pair.radii for pair in pairs}) > 1
     kappa, overlap, spring = contact.stiffness_number, contact.compression, contact.case.spring
     assert kappa is not None and overlap is not None
     deepest = LARGEST_FORCE ** (4.0 / contact.force.powers.elastic)
@@ -825,13 +832,25 @@ def _prepared(overlap: float, contact: Loaded, kappa: float) -> dict[str, Any]:
     }
 
 
-def _grain(cases: Sequence[Case], dimension: int) -> tuple[float | None, float | None]:
-    """Mean diameter and density of the grains that move, the latter in two dimensions that of disks."""
-    bodies = [case.first for case in cases if case.first.radius and case.first.mass]
+def _grain(
+    cases: Sequence[Case], kinds: Sequence[mixture.Kind], dimension: int
+) -> tuple[float | None, float | None]:
+    """Mean diameter and density of the grains that move, the latter in two dimensions that of disks.
+
+    The diameter is the mean by number if the kinds are known, else that of the ends of the types.
+    """
+    bodies = {
+        (name, body.radius, body.mass)
+        for case in cases
+        for name, body in zip(case.types, (case.first, case.second), strict=True)
+        if body is not None and body.radius and body.mass and math.isfinite(body.mass) and not body.fixed
+    }
     if not bodies:
         return None, None
-    radius = math.fsum(body.radius or 0.0 for body in bodies) / len(bodies)
-    densities = [
-        (body.mass or 0.0) / (UNIT_BALL[dimension] * (body.radius or 0.0) ** dimension) for body in bodies
-    ]
+    radius = math.fsum(radius for _, radius, _ in bodies) / len(bodies)
+    if kinds:
+        radius = math.fsum(kind.share * kind.radius for kind in kinds) / math.fsum(
+            kind.share for kind in kinds
+        )
+    densities = [mass / (UNIT_BALL[dimension] * radius**dimension) for _, radius, mass in bodies]
     return 2.0 * radius, math.fsum(densities) / len(densities)

@@ -36,7 +36,7 @@ from . import (
     stated,
 )
 from .at_rest import GrainState
-from .contacts import Case, CheckedContact, Surroundings, examine
+from .contacts import COMPRESSED, Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Inferred, Verdict
 from .scripts import Bath, Description, Grains, Note, Quote, Stage
@@ -62,8 +62,6 @@ FEW_REST: Final[dict[float | None, str]] = {
     1.0: "the grain comes to rest under gravity",
     2.0: "the two grains come to rest under gravity",
 }
-#: Largest overlap over the radius that contact laws describe.
-COMPRESSED: Final = 0.05
 #: Impact speeds [m/s] at which contacts are shown if no speed is given and they depend on it.
 CHOSEN_SPEEDS: Final = (0.01, 0.1, 1.0)
 #: Units of force and length of each system of units.
@@ -384,7 +382,7 @@ class System:
     def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
         """What is not known, in words."""
         rows = [row for _, row in self.examined]
-        return _missing(rows, self.gas, _known_speeds(rows, self.speeds, self.options.drive))
+        return _missing(rows, self.gas, self.speeds, self.options.drive)
 
     def remarks(self, several: bool) -> Iterator[str]:
         """Remarks on the contacts, which name their units if the script has several."""
@@ -443,6 +441,7 @@ def _system(
     purpose = options.drive or drive.of_stage(last, *scales)
     measured = options.speeds or any(state.temperature for state in states)
     supply = options.drive if measured else purpose
+    given = "" if options.drive is None else options.drive.option
     driven, purpose = (source and source.in_units(*scales) for source in (supply, purpose))
     options = replace(
         options,
@@ -460,10 +459,19 @@ def _system(
     chosen = () if plain or at or driven else tuple(v * time / length for v in CHOSEN_SPEEDS)
     examined = _examined(contacts, gas, at, driven, purpose, chosen)
     support = drive.support(last)
-    option = "" if plain else drive.option_of(support, length, time)
+    moving = (kind.radii[1] for kind in last.grains.values() if kind.radii and not kind.frozen)
+    largest = max(moving, default=None)
+    option = (
+        "" if plain else drive.option_of(support, last.gravity or 0.0, largest, last.dimension, length, time)
+    )
     heats_spins = purpose is not None and purpose.heats_spins
     question = answer.Question(
-        gas.quantity, bool(states), drive.words_of(last, support), option, heats_spins=heats_spins
+        gas.quantity,
+        bool(states),
+        drive.words_of(last, support),
+        option,
+        heats_spins=heats_spins,
+        given=given,
     )
     return System(
         last=last,
@@ -688,7 +696,8 @@ def _held_together(grains: GrainState, options: Options, lasting: Iterable[Findi
     """Findings of lasting contacts: that which options state first, and no rest in a flow that may be collisional."""
     findings = list(lasting)
     if grains.may_separate:
-        findings = [finding for finding in findings if not finding.what.startswith(RESTS)]
+        rest = (RESTS, *FEW_REST.values())
+        findings = [finding for finding in findings if not finding.what.startswith(rest)]
     elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
         yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
@@ -809,24 +818,30 @@ def _no_speed(
         reason = reason or "spins of grains without friction move nothing"
     if any((row.restitution or 0.0) > 1.0 - drive.ELASTIC for row in rows if row.speed is None):
         reason = reason or "elastic grains have no steady state, they heat for ever"
+    if driven.shear_rate is not None and any(
+        row.restitution < drive.LEAST_IN_SHEAR for row in rows if row.restitution is not None
+    ):
+        reason = reason or f"kinetic theory of shear is that of ε from {drive.LEAST_IN_SHEAR:g} on"
     reason = (
         reason or "sizes or masses are not known, or the restitution is outside the range of kinetic theory"
     )
     yield f"No speed from {driven.words(plain)}: {reason}."
 
 
-def _missing(rows: Sequence[CheckedContact], gas: Surroundings, speeds: Sequence[float]) -> tuple[str, ...]:
-    """What is not known, in words."""
+def _missing(
+    rows: Sequence[CheckedContact], gas: Surroundings, speeds: Sequence[float], driven: drive.Drive | None
+) -> tuple[str, ...]:
+    """What is not known, in words; no speeds of a steady state that the rest would give."""
     pairs = [row for row in rows if row.types[1] != cases.WALL]
     missing = []
-    if not speeds:
-        missing.append("speeds")
     if gas.packing_fraction is None:
         missing.append("packing")
     if any(row.radius is None for row in rows):
         missing.append("sizes")
     elif any(row.density is None for row in pairs):
         missing.append("masses")
+    if not _known_speeds(rows, speeds, driven) and not (driven and missing):
+        missing.insert(0, "speeds")
     return tuple(missing)
 
 
@@ -970,7 +985,7 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     several = count is None or count > few.FEW
     if several and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
-    shaken = grains.shaking is not None
+    shaken = grains.name == "shaken" and grains.shaking is not None
     if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
@@ -1066,15 +1081,15 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
     purpose = options.drive or in_system
     driven = drive.words_of(None, support) if options.drive is None else ""
     quantity = "cooling" if purpose is None else purpose.quantity
+    pull = float(np.linalg.norm(system.gravity))
     question = answer.Question(
         quantity,
         False,
         driven,
-        drive.option_of(support, 1.0, 1.0),
+        drive.option_of(support, pull, float(system.radius.max()), system.dimension, 1.0, 1.0),
         purpose,
         purpose is not None and purpose.heats_spins,
     )
-    pull = float(np.linalg.norm(system.gravity))
     stage = replace(
         NO_RUN, gravity=pull or None, shear_rate=abs(system.shear_rate) or None, dimension=system.dimension
     )
@@ -1110,7 +1125,8 @@ def _of_law(
 ) -> Verdict:
     supposed = question is None  # a ball, and a wall that need not be there
     if question is None:
-        question = answer.Question("cooling" if options.drive is None else options.drive.quantity)
+        source = options.drive
+        question = answer.Question(source.quantity, given=source.option) if source else answer.Question()
     contacts = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}
@@ -1134,7 +1150,7 @@ def _of_law(
     grains = _held(replace(stage, time_step=step), support, options, around)
     question = _flowing(question, grains, stage.gravity is not None)
     invalidates = [*_held_together(grains, options, [*resting, *_lasting((), (), rows, dumped, bool(at))])]
-    missing = _missing(rows, gas, _known_speeds(rows, speeds, options.drive))
+    missing = _missing(rows, gas, speeds, options.drive)
     decisive = [row for row in rows if not supposed or row.types[1] != "wall"]
     admissible, sentence = answer.answer(decisive, invalidates, (), missing, question)
     rubs = supposed and any(row.friction.coefficient for row in rows)

@@ -39,6 +39,7 @@ TRIALS: Final = {
     "speed": (1.0, 0.3, 30.0, 1e-4),
 }
 FIXED_POINT_STEPS: Final = 20  #: of the largest t_c ν
+COMPRESSED: Final = 0.05  #: largest overlap over the radius that contact laws describe
 AGREEMENT: Final = 1e-6  #: relative difference of results that count as equal
 SHOWN: Final = 0.02  #: difference of β in other versions that counts as none
 
@@ -181,6 +182,7 @@ class CheckedContact:
     temperature_ratio: float | None = None  #: T_r/T of a heated gas with friction, in theory
     extrapolated: str = ""  #: how the friction is outside what was measured for the error, in words
     softening: float | None = None  #: factor of the stiffness at an error of 1 %, with its bar
+    softened_overlap: float | None = None  #: largest overlap over the smaller radius after this change
     spring: tuple[str, float, float] | None = None  #: name of the stiffness, value, value after this change
     other_versions: tuple[OtherVersion, ...] = ()  #: of the code, if the script does not state its version
     stiffness_unit: str = ""  #: in which these values are; empty in lj units
@@ -218,6 +220,8 @@ def _at(case: Case, speed: float | None, gas: Surroundings) -> CheckedContact:
     errors = {str(rule): (kept.pop(rule), kept.pop(f"{rule}±")) for rule in KNOWN_RULES if rule in kept}
     if (steps := kept.get("steps_per_contact")) is not None:
         kept["steps_per_contact"] = math.floor(steps)
+    if kept["largest_overlap"] is None:
+        kept["softened_overlap"] = None
     if case.spring is not None and kept.get("softening") is not None:
         name, value, power = case.spring
         kept["spring"] = name, value, value * kept["softening"] ** (1.0 / power)
@@ -322,9 +326,13 @@ def _results(
             collision.duration / case.time_step if math.isfinite(collision.duration) else None
         )
         results["restitution_error_of_step"] = force.error_of_step(speed, case.time_step)
-    return results | _in_gas(
+    results |= _in_gas(
         case=case, force=force, first=first, second=second, speed=speed, gas=gas, collision=collision
     )
+    if softening := results.get("softening"):  # at one speed, overlaps are in proportion to durations
+        power = 1.0 / (0.25 * force.powers.elastic + 1.0)
+        results["softened_overlap"] = results["largest_overlap"] * softening**-power
+    return results
 
 
 def _wave_times(body: KnownBody, material: tuple[float, float]) -> tuple[float, float]:

@@ -122,6 +122,11 @@ class Need(NamedTuple):
     line: str | None
 
 
+def _rounded(word: str) -> str:
+    """A number without the rounding error of a mean; other words as they are."""
+    return f"{float(word):.12g}" if NUMBER.fullmatch(word) else word
+
+
 def _numbers(examined: Examined) -> Iterator[str]:
     """The lines whose number gives another ε than the one asked for."""
     needed: dict[tuple[str, ...], list[Need]] = {}
@@ -155,7 +160,7 @@ def _numbers(examined: Examined) -> Iterator[str]:
                 continue
             line = (
                 replaced(setting, place, new)
-                or f"# {name} {new} in place of {setting.words[place]}: {setting.text}"
+                or f"# {name} {new} in place of {_rounded(setting.words[place])}: {setting.text}"
             )
         needed.setdefault((setting.text, *setting.words), []).append(Need(case, new, line))
     for needs in needed.values():

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from ..boxes import theory
-from ..boxes.box import Floats
+from ..boxes.box import UNIT_BALL, Floats
 from ..boxes.spins import AXES_OF_ROTATION, HIGHEST, SMALLEST
 from ..boxes.system import ParticleSystem
 from ..boxes.theory import FLUID, Gas, Heat, RotatingGas
@@ -33,6 +33,10 @@ STEPS: Final = 40
 LEAST_IN_SHEAR: Final = 0.5
 #: 1 − ε below which grains count as elastic: more than the rounding error of a computed ε.
 ELASTIC: Final = 1e-10
+#: Grains and packing fraction of ``hardlimit gas compare`` without options.
+BOX: Final = (1000, 0.3)
+#: Edge of a box over the amplitude of its wall in which these grains have room.
+ROOMY: Final = 4.0
 
 
 class Steady(NamedTuple):
@@ -72,6 +76,11 @@ class Drive:
     def quantity(self) -> str:
         """The quantity for which the box is run, whose error decides."""
         return "temperature" if self.shear_rate is None else "stress"
+
+    @property
+    def option(self) -> str:
+        """The option that states it."""
+        return "--power" if self.shear_rate is None else "--shear"
 
     @property
     def heats_spins(self) -> bool:
@@ -378,11 +387,23 @@ def words_of(stage: Stage | None, walls: Support) -> str:
     return f"{notes[0].what} drives this box" if notes else ""
 
 
-def option_of(walls: Support, length: float, time: float) -> str:
-    """The option of ``hardlimit gas`` that shakes a box in the same way; the units of length and time are in SI."""
+def option_of(
+    walls: Support, gravity: float, radius: float | None, dimension: int, length: float, time: float
+) -> str:
+    """Options of ``hardlimit gas`` that shake grains of this radius in the same way; length and time are units in SI.
+
+    The packing fraction is among them where the usual box would be too small.
+    """
     motion = walls.motion
     if walls.shaking is None or motion is None or motion.amplitude is None or motion.frequency is None:
         return ""
     size, rate = math.hypot(*motion.amplitude) * length, motion.frequency / (2.0 * math.pi * time)
     values = (quantity(size, "m", 3), quantity(rate, "Hz", 3))
-    return f"--shake {':'.join(value.replace(' ', '') for value in values)}"
+    options = ["--shake", ":".join(value.replace(" ", "") for value in values)]
+    options += ["--gravity", digits(gravity * length / time**2, 3), *["--dimension", "2"] * (dimension == 2)]
+    if radius is not None:
+        options += ["--radius", quantity(radius * length, "m", 3).replace(" ", "")]
+        number, usual = BOX
+        packing = number * UNIT_BALL[dimension] * (radius * length / (ROOMY * size)) ** dimension
+        options += ["--packing-fraction", digits(packing, 2)] * (packing < usual)
+    return " ".join(options)

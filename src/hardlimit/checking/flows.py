@@ -43,10 +43,10 @@ STEEP: Final = 15.0
 DRUMS: Final = {1e-4: "slumping", 1e-2: "rolling", 0.1: "cascading", 1.0: "cataracting"}
 
 
-def of_stage(stage: Stage, cases: Sequence[Case], tilt: float) -> dict[str, Any]:
-    """Values of a :class:`Load` under gravity at this angle [°] against the axes."""
+def of_stage(stage: Stage, cases: Sequence[Case], tilt: float, speed_unit: float) -> dict[str, Any]:
+    """Values of a :class:`Load` under gravity at this angle [°] against the axes. ``speed_unit``: 1 m/s."""
     values: dict[str, Any] = {}
-    friction, drum = friction_of(stage, cases), turning(stage)
+    friction, drum = friction_of(stage, cases, speed_unit), turning(stage)
     if friction is not None and (tilt >= STEEP or on_slope(tilt, friction)[1] > 0.0):
         values["slope_inertial_number"] = on_slope(tilt, friction)
         values["rest_angle"] = math.degrees(math.atan(rest_ratio(friction)))
@@ -57,29 +57,34 @@ def of_stage(stage: Stage, cases: Sequence[Case], tilt: float) -> dict[str, Any]
     return values
 
 
-def friction_of(stage: Stage, cases: Sequence[Case]) -> float | None:
+def friction_of(stage: Stage, cases: Sequence[Case], speed_unit: float) -> float | None:
     """The one friction of spheres like the measured ones that move; None if they have another one or resist rolling."""
     pairs = [case for case in cases if case.second and not case.first.fixed and not case.second.fixed]
     rough = {case.friction.coefficient for case in pairs}
     resists = any(ROLLING & contact.settings.keys() for contact in stage.contacts)
-    if stage.dimension != 3 or len(rough) != 1 or resists or not all(map(_alike, pairs)):
+    if (
+        stage.dimension != 3
+        or len(rough) != 1
+        or resists
+        or not all(_alike(case, speed_unit) for case in pairs)
+    ):
         return None
     (coefficient,) = rough
     return coefficient if coefficient is not None and min(SLOPES) <= coefficient <= max(SLOPES) else None
 
 
-def _alike(case: Case) -> bool:
-    """Whether a contact has a tangential spring and a restitution near the measured ones."""
+def _alike(case: Case, speed: float) -> bool:
+    """Whether a contact has a tangential spring and, at this speed, a restitution near the measured ones."""
     bodies = case.first.tried(0), None if case.second is None else case.second.tried(0)
     if (
         case.force is None
         or case.friction.terms is None
-        or isinstance(case.force(*bodies, 1.0), AdhesiveForce)
+        or isinstance(case.force(*bodies, speed), AdhesiveForce)
     ):
         return False
-    restitution = restitution_of(case, 1.0)
+    restitution = restitution_of(case, speed)
     return (
-        case.friction.terms(*bodies, 1.0).stiffness > 0.0
+        case.friction.terms(*bodies, speed).stiffness > 0.0
         and RESTITUTIONS[0] <= restitution <= RESTITUTIONS[1]
     )
 

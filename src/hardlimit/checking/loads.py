@@ -87,6 +87,12 @@ class Around(NamedTuple):
         in_range = low <= state.packing_fraction <= high
         return packing._replace(packing_fraction=state.packing_fraction) if in_range else packing
 
+    @property
+    def speed_unit(self) -> float:
+        """1 m/s."""
+        _, metre, second = SCALES[self.units]
+        return second / metre
+
     def length(self, value: float) -> str:
         """A length in words."""
         metre = SCALES[self.units][1]
@@ -121,13 +127,14 @@ def load_of(
         density=_density(around, kinds),
         shaking=support.shaking,
         layers=most_layers(stage.contents.count, around.dimension),
+        speed_unit=around.speed_unit,
     )
     load = replace(load, **_pressure(stage, options, around, under_pressure))
     if load.weight and around.fluid:
         load = replace(load, origin=f"{load.origin}, without the fluid")
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
-        load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt))
+        load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
     by_script = stage.pressed or stage.pressure is not None or around.barostat
     settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
     known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks

@@ -46,6 +46,7 @@ NUMBERS = {
     "smooth_error": "1",
     "temperature_ratio": "1",
     "softening": "1",
+    "softened_overlap": "1",
 }
 #: Numbers of the friction of a contact in the Dataset: their fields, and their units.
 FRICTION = {

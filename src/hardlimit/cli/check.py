@@ -72,12 +72,12 @@ SMALLEST_ERROR = 1e-4
 class SpeedRange(Quantity):
     """A speed, or the lowest and the highest one as in ``0.1:2m/s``."""
 
-    def read(self, option: str, text: str) -> tuple[float, float]:
+    def read(self, option: str, text: str) -> float | tuple[float, float]:
         low, _, high = text.rpartition(":")
-        top = super().read(option, high)
+        top: float = super().read(option, high)
         unit = high.lstrip("+-0123456789.eE ")
         bare = low and not low.strip(" +-0123456789.eE")
-        return (super().read(option, low + unit if bare else low) if low else top), top
+        return (super().read(option, low + unit if bare else low), top) if low else top
 
 
 def variable(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, str]:
@@ -232,7 +232,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
         details(verdict)
         for line in state_words.details(verdict):
             say(line)
-    say(lists(verdict, verbose))
+    if summary := lists(verdict, verbose):
+        say(summary)
     more = " More: --verbose." if verdict.admissible is False and not verbose else ""
     corrected = corrections(verdict)
     if corrected:  # a quoted statement stands alone

@@ -418,7 +418,7 @@ def print_hard_spheres(out: Any, result: hl.ParticleResult) -> None:
     if theories := predictions(result):
         names.append("theory")
         rows = [[*row, digits(theories.get(row[0], math.nan))] for row in rows]
-    show(out, f"Hard spheres, rule {result.settings.report()}", table(names, rows), note(result))
+    show(out, f"Hard spheres, rule {result.settings.report(law_text)}", table(names, rows), note(result))
 
 
 def softness_numbers(result: Any) -> dict[str, float]:

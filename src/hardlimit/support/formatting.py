@@ -35,7 +35,7 @@ def quantity(value: float, unit: str, significant: int = 6) -> str:
 
 def length(metres: float) -> str:
     """A length in a common unit: 60 cm, 1 cm, 0.1 mm, 3 µm."""
-    for limit, factor, unit in ((1.0, 1.0, "m"), (5e-3, 1e-2, "cm"), (2e-5, 1e-3, "mm")):
+    for limit, factor, unit in ((1.0, 1.0, "m"), (5e-3, 1e-2, "cm"), (1e-4, 1e-3, "mm")):
         if abs(metres) >= limit:
             return f"{digits(metres / factor)} {unit}"
     return quantity(metres, "m") if metres else "0"
@@ -64,8 +64,8 @@ def duration(seconds: float) -> str:
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """``a``, ``a and b``, ``a, b and c``."""
-    *first, end = names
+    """``a``, ``a and b``, ``a, b and c``; empty without names."""
+    *first, end = names or [""]
     return f"{', '.join(first)} {last} {end}" if first else end
 
 

@@ -72,9 +72,9 @@ def quantity(name: str, value: Any, unit: str) -> Any:
 
 
 def number(name: str, text: str, unit: str) -> float:
-    """The number in ``text``, which is in ``unit`` unless the text names another one."""
+    """The number in ``text``, which is in ``unit`` unless the text names another one; ``infinite`` is one, too."""
     try:
-        return float(text)
+        return math.inf if text == "infinite" else float(text)
     except ValueError:
         return with_unit(name, text, unit)
 
