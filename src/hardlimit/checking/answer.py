@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
+from typing import Final
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..support.formatting import digits, listed, percent, percent_with_error
@@ -43,6 +44,13 @@ SMALLEST_ADDED = 0.001
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 
+#: What is said of grains in free fall.
+NEVER_MEET: Final = (
+    "no grain meets another or a wall (t_c ν = 0): all start with one velocity and fall freely, and no wall acts on "
+    "them"
+)
+
+
 @dataclass(frozen=True)
 class Question:
     """What is asked of the contacts."""
@@ -54,6 +62,7 @@ class Question:
     purpose: Drive | None = None  #: what the box is run for, if not to cool
     heats_spins: bool = False  #: whether a thermostat acts on spins, too
     may_be_dense: bool = False  #: whether it is a shear flow whose pressure is not known
+    never_meet: bool = False  #: whether no grain meets another or a wall
 
 
 def answer(
@@ -66,6 +75,8 @@ def answer(
     """Whether event-driven simulation is admissible, and the sentence."""
     if invalidates:
         return False, _invalid(invalidates)
+    if question.never_meet:
+        return None, f"Cannot be said: {NEVER_MEET}."
     if question.driven:
         return None, f"Cannot be said: {_driven(rows, question)}."
     pairs = [row for row in rows if row.types[1] != "wall"]

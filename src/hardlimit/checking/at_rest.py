@@ -608,6 +608,7 @@ class GrainState:
     step_is_supposed: bool = False  #: whether it is that below these layers, or for rigid grains
     step_share: float | None = None  #: the time step over it
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
+    never_meet: bool = False  #: whether no grain meets another or a wall, so that t_c ν = 0
     supposed_tc_nu: float | None = None  #: t_c ν of a gas of which φ or the speed is supposed
     impact_speed: float | None = None  #: [m/s] of this impact
     speed_is_chosen: bool = False  #: whether no speed is known

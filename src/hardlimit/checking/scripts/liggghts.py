@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
-from . import census, filling, granular_words, liggghts_friction, motion
-from .description import ContactSettings, Quote, Range, Setting, Settings
+from . import census, clumps, filling, granular_words, liggghts_friction, motion
+from .description import ContactSettings, Note, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
@@ -107,7 +107,9 @@ class Liggghts(State):
         self.properties: dict[str, Property] = {}
         self.templates: dict[str, tuple[int, Batch]] = {}
         self.distributions: dict[str, list[str]] = {}
-        self.shares: dict[str, list[float | None]] = {}  #: of the mass, of the templates of each distribution
+        #: Of the mass, or of the number of grains, of the templates of each distribution.
+        self.shares: dict[str, list[float | None]] = {}
+        self.by_number: set[str] = set()  #: distributions with shares of the number
         self.meshes: dict[str, int] = {}
         self.coarse = 1.0
 
@@ -152,6 +154,7 @@ class Liggghts(State):
             "property/global": self.property,
             "wall/gran": self.read_wall,
             "particletemplate/sphere": self.template,
+            clumps.STYLE: self.clump,
             "particledistribution/discrete": self.distribution,
             "insert": self.insert,
             "mesh/surface": self.mesh,
@@ -395,10 +398,32 @@ class Liggghts(State):
             radii = (radii[0] * self.coarse, radii[1] * self.coarse)
         self.templates[fix.statement.words[1]] = (kind, Batch(radii, limits.get("density")))
 
+    def clump(self, fix: Fix) -> None:
+        """A template of clumps: their type and density, and the radius of the sphere of the same volume."""
+        self.other_fix(fix)
+        kind = self.type_of(self.option(fix, "atom_type") or "1")
+        if not 1 <= kind <= MAX_TYPES:
+            raise refused(fix.statement, "have a type")
+        densities = self.random(fix, ("density",)).get("density")
+        try:
+            radius = self.coarse * clumps.equivalent_radius(clumps.spheres(fix.words, self.folder))
+        except ValueError:
+            self.quote_with(fix.statement, "the spheres of the clump are not known")
+            self.templates[fix.statement.words[1]] = (kind, Batch(None, densities))
+            return
+        self.templates[fix.statement.words[1]] = (kind, Batch((radius, radius), densities))
+        note = Note("clumps count as spheres of their volume and mass", (str(kind),), fix.statement.quote)
+        self.warnings[note] = None
+
     def distribution(self, fix: Fix) -> None:
-        """The templates of a distribution, and their shares of its mass."""
-        self.distributions[fix.statement.words[1]] = list(fix.words[2::2])
-        self.shares[fix.statement.words[1]] = [self.coefficient(word) for word in fix.words[3::2]]
+        """The templates of a distribution, and their shares; those without grains are left out."""
+        name = fix.statement.words[1]
+        pairs = [(word, self.coefficient(share)) for word, share in zip(*[iter(fix.words[2:])] * 2, strict=False)]
+        present = [pair for pair in pairs if pair[1] != 0.0] or pairs
+        self.distributions[name] = [word for word, _ in present]
+        self.shares[name] = [share for _, share in present]
+        if fix.style.endswith("numberbased"):
+            self.by_number.add(name)
 
     def insert(self, fix: Fix) -> None:
         """Insertion of a distribution."""
@@ -411,18 +436,33 @@ class Liggghts(State):
                 self.population.add(*template)
         known = [template for template in templates if template is not None]
         sizes = {template.radii for _, template in known}
-        filling.inserted(self, fix, known[0][0], sizes.pop() if len(sizes) == 1 else None)
+        dense = {template.densities for _, template in known}
+        filling.inserted(
+            self,
+            fix,
+            known[0][0],
+            sizes.pop() if len(sizes) == 1 else None,
+            dense.pop() if len(dense) == 1 else None,
+        )
         lot = self.filling.census.lots[-1]
         if (
             len(known) > 1
             and lot.number
-            and (shares := numbers([each for _, each in known], self.shares[name]))
+            and (shares := self.numbers(name, [each for _, each in known]))
         ):
             means = [filling.alike(template.radii) for _, template in known]
             pairs = zip(known, shares, means, strict=True)
             self.filling.census.lots[-1:] = [
                 census.lot(kind, share * lot.number, mean) for (kind, _), share, mean in pairs
             ]
+
+    def numbers(self, name: str, templates: Sequence[Batch]) -> list[float]:
+        """Shares of the number of grains of the templates of a distribution; empty if not known."""
+        shares = self.shares[name]
+        if name not in self.by_number:
+            return numbers(templates, shares)
+        known = [share for share in shares if share is not None and share > 0.0]
+        return [share / math.fsum(known) for share in known] if len(known) == len(templates) else []
 
     def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
         """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""

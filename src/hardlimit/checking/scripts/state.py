@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final, Self
 
 from ...support.formatting import listed
-from . import conditions, filling, motion, population, restart
+from . import conditions, filling, free_fall, motion, population, restart
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
 from .description import (
     WALL,
@@ -188,6 +188,7 @@ class State(Reader):
         self.labels: dict[str, int] = {}
         self.population, self.types = Population(), 0
         self.fixes: dict[str, Fix] = {}
+        self.targets: dict[str, str] = {}  #: of servos, from ``fix_modify``
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
@@ -764,6 +765,9 @@ class State(Reader):
     def command_velocity(self, statement: Statement) -> None:
         filling.read_velocity(self, statement)
 
+    def command_displace_atoms(self, statement: Statement) -> None:
+        self.filling.launches.append(free_fall.UNKNOWN)
+
     def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
         """A region, or those of which it is a union or an intersection."""
         parts: dict[str, tuple[str, ...]] = {}
@@ -799,6 +803,7 @@ class State(Reader):
 
     def add_molecule(self, statement: Statement, template: str, offset: int) -> None:
         """Grains of a molecule file."""
+        self.filling.launches.append(free_fall.UNKNOWN)
         if template not in self.molecules:
             self.elsewhere(statement)
             return
@@ -906,6 +911,8 @@ class State(Reader):
             if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
                 self.quote_with(statement, f"{word} is not understood")
                 break
+            if word in ("vx", "vy", "vz", "x", "y", "z"):
+                self.filling.launches.append(free_fall.UNKNOWN)
             if word in TYPE_KEYWORDS:
                 self.set_type(statement, chosen, word, values[:count], atoms)
             elif word in SET_KEYWORDS:
@@ -915,6 +922,7 @@ class State(Reader):
                     value = None
                 changes.append(self.changed(word, value))
                 if word in ("diameter", "shape"):
+                    self.resized()
                     radius = None if value is None or word == "shape" else 0.5 * value
                     whole = chosen.whole and atoms is None
                     self.filling.census.change(self.within(chosen), whole, radius)
@@ -926,6 +934,11 @@ class State(Reader):
             lambda batch: reduce(lambda now, change: change(now), changes, batch),
             atoms,
         )
+
+    def resized(self) -> None:
+        """Grains that were inserted at least their diameters apart may overlap with others."""
+        if any(launch.place is None for launch in self.filling.launches):
+            self.filling.launches.append(free_fall.UNKNOWN)
 
     def set_type(
         self, statement: Statement, chosen: Group, word: str, values: Sequence[str], atoms: range | None
@@ -978,8 +991,15 @@ class State(Reader):
             self.quote_with(statement, f"the group {words[2]} is not defined")
         fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
         self.fixes[words[1]] = fix
+        self.targets.pop(words[1], None)
         if not self.own_fix(fix):
             self.other_fix(fix)
+
+    def command_fix_modify(self, statement: Statement) -> None:
+        words = statement.words
+        if words[2:3] == ("servo/target_val",) and len(words) == 4:
+            self.targets[words[1]] = words[3]
+            self.changed_since = True
 
     def command_unfix(self, statement: Statement) -> None:
         self.fixes.pop((*statement.words, "")[1], None)
@@ -988,7 +1008,7 @@ class State(Reader):
         """A fix beside contacts and insertions."""
         style, group = fix.style, self.members(fix.group)
         types = None if group.types is None else tuple(str(kind) for kind in sorted(group.types))
-        known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity"))
+        known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity", "lebc"))
         if style.startswith(CLUMPS):
             self.invalidate(f"clumps ({style})", fix.statement, types)
         elif style.startswith("heat"):
