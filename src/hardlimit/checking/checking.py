@@ -961,7 +961,9 @@ def _held_in_script(
         fluid=any(words in others for words in ("fluid", "buoyancy")),
     )
     grains = _contact_of_few(_held(stage, drive.support(stage), final.options, around), final, around)
-    if MULTISPHERE in others:  # whose arms and moments of inertia are not those of the sphere that stands for them
+    if (
+        MULTISPHERE in others
+    ):  # whose arms and moments of inertia are not those of the sphere that stands for them
         grains = replace(grains, largest_stable_step=None, step_share=None)
     return grains
 
@@ -969,14 +971,14 @@ def _held_in_script(
 def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> GrainState:
     """The state of few grains, or of a gas of unknown packing or speed, with numbers of contacts, in SI units."""
     stage, loaded = final.last, final.options.load.rests or final.options.drive
-    if stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
-        return replace(grains, never_meet=True)
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
+    many = count is None or count > few.FEW
+    if many and stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
+        return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
     prescribed = grains.name == "pressed" and grains.pressure is not None
-    several = count is None or count > few.FEW
-    if several and around.cases and all(case.second is None for case in around.cases):
+    if many and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
     shaken = grains.shaking is not None
     if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):

@@ -6,6 +6,7 @@ Format: LIGGGHTS' fix_particletemplate_multisphere. The code finds the volume wi
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -18,6 +19,12 @@ from .commands import text_of
 #: The style of the fix, and lines across a clump along each axis, on which the lengths within its spheres are summed.
 STYLE: Final = "particletemplate/multisphere"
 LINES: Final = 200
+#: What the code prints of a template, within how many lines below it, and the word before it in a statement.
+PRINTED: Final = re.compile(r"radius of bounding sphere = (\d\S*), radius of equivalent sphere = (\d\S*)")
+PRINTED_WITHIN: Final = 8
+PRINTED_RADII: Final = "(printed_radii)"
+#: Half the extent of a clump over the radius of the sphere of its volume, up to which it counts as round.
+ROUND: Final = 1.3
 MAX_SPHERES: Final = 2000
 
 Spheres = NDArray[np.float64]  #: (n, 4): x, y, z, radius
@@ -73,6 +80,22 @@ def volume(table: Spheres) -> float:
     return total * float(math.prod(steps))
 
 
-def equivalent_radius(table: Spheres) -> float:
-    """Radius of the sphere of the same volume."""
-    return (0.75 / math.pi * volume(table)) ** (1.0 / 3.0)
+def radii(words: Sequence[str], folder: Path | None) -> tuple[float, float]:
+    """Radius of the sphere of the volume of a template, and half its extent; a log has them after ``PRINTED_RADII``."""
+    if PRINTED_RADII in words[:-2]:
+        at = [*words].index(PRINTED_RADII) + 1
+        return float(words[at]), float(words[at + 1])
+    table = spheres(words, folder)
+    return (0.75 / math.pi * volume(table)) ** (1.0 / 3.0), half_extent(table)
+
+
+def half_extent(table: Spheres) -> float:
+    """Half the largest distance between two points of a clump."""
+    ends = [np.linalg.norm(table[:, :3] - sphere[:3], axis=1) + table[:, 3] + sphere[3] for sphere in table]
+    return 0.5 * float(np.max(ends))
+
+
+def with_printed(words: tuple[str, ...], lines: Sequence[str]) -> tuple[str, ...]:
+    """The words of a statement, with the radii that the code prints below a template of clumps."""
+    found = [match for line in lines if (match := PRINTED.search(line))] if STYLE in words else []
+    return (*words, PRINTED_RADII, found[0][2], found[0][1]) if found else words

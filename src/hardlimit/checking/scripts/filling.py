@@ -475,7 +475,12 @@ def has_known_shape(state: State, wall: Fix) -> bool:
 
 
 def falls(state: State, stage: Stage) -> Iterator[Speed]:
-    """The speeds with which grains reach the floor from where they are made."""
+    """The speeds with which grains reach the floor from where they are made; without gravity, those of insertions."""
+    if not any(fix.style == "gravity" for fix in state.fixes.values()):
+        largest = max((math.hypot(*each.velocity) for each in state.filling.insertions), default=0.0)
+        if largest and any(contact.wall is not None for contact in stage.contacts):
+            yield Speed(largest, "the insertion")
+        return
     axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
     if (
         not axes

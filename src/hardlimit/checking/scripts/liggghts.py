@@ -23,7 +23,14 @@ OF_CONTACT: Final = (
     *("kn", "gamman", "gamman_abs", "cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
 )
 #: Normal models with plasticity or adhesion.
-STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+STICKY_MODELS: Final = (
+    "hooke/hysteresis",
+    "edinburgh",
+    "edinburgh/stiffness",
+    "luding",
+    "thornton_ning",
+    "jkr",
+)
 #: Fixes that leave spins alone.
 SPINLESS: Final = ("nve", "nve/limit", "nve/noforce", "move")
 #: Models of cohesion with the properties to which their force is proportional.
@@ -406,19 +413,24 @@ class Liggghts(State):
             raise refused(fix.statement, "have a type")
         densities = self.random(fix, ("density",)).get("density")
         try:
-            radius = self.coarse * clumps.equivalent_radius(clumps.spheres(fix.words, self.folder))
+            radius, half_extent = clumps.radii(fix.words, self.folder)
         except ValueError:
             self.quote_with(fix.statement, "the spheres of the clump are not known")
             self.templates[fix.statement.words[1]] = (kind, Batch(None, densities))
             return
-        self.templates[fix.statement.words[1]] = (kind, Batch((radius, radius), densities))
-        note = Note("clumps count as spheres of their volume and mass", (str(kind),), fix.statement.quote)
-        self.warnings[note] = None
+        own = self.coarse * radius
+        self.templates[fix.statement.words[1]] = (kind, Batch((own, own), densities))
+        what = "clumps count as spheres of their volume and mass"
+        if half_extent > clumps.ROUND * radius:
+            what += ", although they are not round: speeds under shear and t_c ν are rough estimates"
+        self.warnings[Note(what, (str(kind),), fix.statement.quote)] = None
 
     def distribution(self, fix: Fix) -> None:
         """The templates of a distribution, and their shares; those without grains are left out."""
         name = fix.statement.words[1]
-        pairs = [(word, self.coefficient(share)) for word, share in zip(*[iter(fix.words[2:])] * 2, strict=False)]
+        pairs = [
+            (word, self.coefficient(share)) for word, share in zip(*[iter(fix.words[2:])] * 2, strict=False)
+        ]
         present = [pair for pair in pairs if pair[1] != 0.0] or pairs
         self.distributions[name] = [word for word, _ in present]
         self.shares[name] = [share for _, share in present]
@@ -445,11 +457,7 @@ class Liggghts(State):
             dense.pop() if len(dense) == 1 else None,
         )
         lot = self.filling.census.lots[-1]
-        if (
-            len(known) > 1
-            and lot.number
-            and (shares := self.numbers(name, [each for _, each in known]))
-        ):
+        if len(known) > 1 and lot.number and (shares := self.numbers(name, [each for _, each in known])):
             means = [filling.alike(template.radii) for _, template in known]
             pairs = zip(known, shares, means, strict=True)
             self.filling.census.lots[-1:] = [

@@ -122,7 +122,9 @@ def _pressures(state: State, fix: Fix) -> list[float | None]:
 
 def _is_servo(fix: Fix) -> bool:
     """Whether a fix is a wall under a force."""
-    return fix.style.endswith("servo") and "force" in fix.words and {"axis", "target_val"} <= set(fix.words[:-1])
+    return (
+        fix.style.endswith("servo") and "force" in fix.words and {"axis", "target_val"} <= set(fix.words[:-1])
+    )
 
 
 def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | None]:
@@ -131,7 +133,9 @@ def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | N
     A force acts on the area of the box; one that a variable gives may be a pressure times an area between meshes.
     """
     words = fix.words
-    last = max(k for k, word in enumerate(words) if word == "axis")  # before it, a mesh may be rotated about another
+    last = max(
+        k for k, word in enumerate(words) if word == "axis"
+    )  # before it, a mesh may be rotated about another
     normal = [state.coefficient(word) for word in words[last + 1 :][:3]]
     along = [k for k, part in enumerate(normal) if part]
     if len(along) != 1 or None in normal or len(normal) < 3:
@@ -146,10 +150,13 @@ def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | N
 
 
 def _over_area(state: State, target: str, across: Sequence[int]) -> float | None:
-    """The pressure p of a force ``p*v_area``; None if that is not the distance of meshes along both other axes."""
+    """The pressure p of a force ``p*v_area``, a product of distances of meshes or of edges of the box; else None."""
     match = TIMES_VARIABLE.fullmatch(_formula(state, target))
-    sides = None if match is None else AREA.fullmatch(_formula(state, match[2]))
+    area = "" if match is None else _formula(state, match[2])
     pressure = None if match is None else state.variables.number(match[1])
+    if pressure is not None and area in (f"l{AXES[i]}*l{AXES[j]}" for i, j in (across, across[::-1])):
+        return abs(pressure)
+    sides = AREA.fullmatch(area)
     if sides is None or pressure is None:
         return None
     places = [MESH_PLACE.fullmatch(_formula(state, side)) for side in sides.groups()]
