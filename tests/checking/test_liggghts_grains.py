@@ -380,3 +380,50 @@ def test_a_bed_with_adhesion_has_the_stiffness_number_of_its_repulsion(model, pl
     assert verdict.state.stiffness_number == pytest.approx(other.state.stiffness_number, rel=1e-9)
     assert verdict.state.overlap is None and other.state.overlap is not None
     assert "without the adhesion, which adds to the overlap" in verdict.sentence
+
+
+# --- grains of files that are not read, and numbers -------------------------------------------------------------
+
+RESTART = (
+    head().replace("region box block 0 0.1 0 0.1 0 0.2 units box\ncreate_box 1 box", "read_restart old")
+    + GRAVITY
+)
+LID = WALL.replace("fix floor", "fix lid").replace("zplane 0", "zplane 0.25")
+
+
+def test_what_is_set_of_grains_that_are_not_read():
+    """Their density gives the pressure between two walls; their diameter, their sizes."""
+    script = RESTART + WALL + LID + "set group all density 2000\n" + MOVE
+    verdict = hl.check(script)
+    assert (
+        verdict.state.pressure == pytest.approx(0.59 * 2000.0 * 9.81 * 0.25)
+        and verdict.state.pressure_is_bound
+    )
+    assert "25 cm between plane walls" in verdict.sentence and verdict.state.stiffness_number
+    assert read(script).stages[0].grains["1"].radii is None and "read_restart old" in verdict.unknown[0].what
+    sized = script.replace("density 2000", "density 2000 diameter 0.004")
+    assert read(sized).stages[0].grains["1"].radii == (0.002, 0.002)
+    for changed in (
+        script.replace("set group all density 2000\n", ""),
+        script.replace("set group all", "set region box"),
+        script.replace(LID, ""),
+        script.replace("set group all density 2000\n", "").replace(
+            "read_restart", "set group all density 2000\nread_restart"
+        ),
+    ):
+        assert changed != script and hl.check(changed).state.pressure is None
+
+
+def test_one_grain_makes_no_bed():
+    one = PACK.replace("volumefraction_region 0.1", "particles_in_region {}")
+    clump = CLUMP.replace(ROD, "file none.txt")
+    script = head() + GRAVITY + WALL + clump + one + BODIES
+    assert hl.check(script.format(3)).state.pressure and hl.check(script.format(2)).state.pressure is None
+
+
+def test_numbers_with_two_points():
+    """LIGGGHTS 3.8 reads ``.0.0`` as 0 and ``-1.0.5`` as −1."""
+    script = head() + GRAVITY.replace("0 0 -1", "0 .0.0 -1.0.5") + WALL + SPHERE + PACK + MOVE
+    assert read(script).stages[0].down == (0.0, 0.0, -1.0)
+    with pytest.raises(ValueError, match="must have a number, not x1"):
+        read(script.replace(".0.0", "x1"))

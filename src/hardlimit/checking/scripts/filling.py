@@ -9,7 +9,7 @@ import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -374,7 +374,17 @@ def contents(state: State, stage: Stage) -> Contents:
         walled=walled or any(kind.partly_frozen for kind in stage.grains.values()),
         lots=filling.census.known,
         never_meet=free_fall.never_meet(state, stage),
+        **height_of(state, stage),
     )
+
+
+def height_of(state: State, stage: Stage) -> dict[str, Any]:
+    """The height between plane walls along gravity, where the box is not known."""
+    axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
+    places = {x for axis in axes for x in planes(state).get(axis, []) if axis not in state.filling.box}
+    if len(places) < 2 or not all(map(math.isfinite, places)):
+        return {}
+    return {"height": max(places) - min(places), "height_from": "between plane walls"}
 
 
 def overlap_free(filling: Filling, stage: Stage) -> bool:

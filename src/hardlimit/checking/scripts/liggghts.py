@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -31,6 +32,8 @@ STICKY_MODELS: Final = (
     "thornton_ning",
     "jkr",
 )
+#: Words that LIGGGHTS takes as numbers.
+OF_NUMBERS: Final = re.compile(r"[-+.\deE]*[.\d][-+.\deE]*")
 #: Fixes that leave spins alone.
 SPINLESS: Final = ("nve", "nve/limit", "nve/noforce", "move")
 #: Models of cohesion with the properties to which their force is proportional.
@@ -127,6 +130,13 @@ class Liggghts(State):
             replace(statement, words=("pair_style", "gran", *statement.words)) if alone else statement
         )
 
+    def number(self, statement: Statement, word: str) -> float:
+        """A number. The code takes words of its letters alone as C's ``atof`` does: 0 for ``.0.0``."""
+        if OF_NUMBERS.fullmatch(word) and not NUMBER.fullmatch(word):
+            begin = NUMBER.match(word)
+            return float(begin[0]) if begin else 0.0
+        return super().number(statement, word)
+
     # --- pair style, properties, walls --------------------------------------------------------------------------
 
     def command_pair_style(self, statement: Statement) -> None:
@@ -181,7 +191,7 @@ class Liggghts(State):
         """Drop a fix that was not understood."""
         self.fixes = {name: other for name, other in self.fixes.items() if other is not fix}
         if fix.style.startswith(("particle", "insert", "pour")):
-            self.population.elsewhere = True
+            self.population.from_elsewhere()
 
     def property(self, fix: Fix) -> None:
         """A property of types or of pairs of types. A later one replaces an earlier one of the same name."""

@@ -832,7 +832,7 @@ class State(Reader):
 
     def elsewhere(self, statement: Statement, reason: str = "") -> None:
         """Grains whose sizes are not in the script."""
-        self.population.elsewhere = True
+        self.population.from_elsewhere()
         self.filling.forget()
         self.quote_with(statement, reason)
 
@@ -933,6 +933,7 @@ class State(Reader):
             chosen.whole,
             lambda batch: reduce(lambda now, change: change(now), changes, batch),
             atoms,
+            chosen.types is None and chosen.whole and atoms is None,
         )
 
     def resized(self) -> None:
