@@ -125,6 +125,34 @@ def test_a_log_prints_the_radii_of_its_clumps():
     assert read(log.format("")).stages[0].grains["1"].radii is None
 
 
+def test_clumps_of_a_script_whose_log_lies_beside_it(tmp_path):
+    """The file of the spheres is not there, but the log of an earlier run is."""
+    template = CLUMP.replace(ROD, "file rod.txt scale 0.001")
+    path, log = tmp_path / "in.rods", tmp_path / "log.rods"
+    path.write_text(f"log log.rods\n{head()}{template}{PACK}{BODIES}", encoding="utf-8")
+    assert read(path).stages[0].grains["1"].radii is None
+    below = (
+        "Finished\n   mass = 1, radius of bounding sphere = 1.5e-03, radius of equivalent sphere = 1.2e-03\n"
+    )
+    log.write_text(f"{head()}{template}{below}", encoding="utf-8")
+    description = read(path)
+    assert description.stages[0].grains["1"].radii == (1.2e-3, 1.2e-3) and not description.unknown
+    assert "the sizes of clumps are those that log.rods prints" in [
+        note.what for note in description.warnings
+    ]
+    log.write_text(f"{head()}{template.replace('nspheres 2', 'nspheres 3')}{below}", encoding="utf-8")
+    assert read(path).stages[0].grains["1"].radii is None  # of another template
+
+
+def test_grains_that_are_removed(tmp_path):
+    """Their number is not known; those that fall freely go on to do so."""
+    remove = "fix r all remove nevery 100 massrate 7 style delete seed 7 region box atomtype 1\n"
+    stage = read(FALL.replace("fix move", remove + "fix move")).stages[0]
+    assert (
+        stage.contents.filled is None and stage.contents.never_meet and read(FALL).stages[0].contents.filled
+    )
+
+
 def test_long_clumps_are_said_to_be_rough_estimates():
     spheres = "-0.001 0 0 0.001 0 0 0 0.001 0.001 0 0 0.001"
     (note,) = read(
@@ -427,3 +455,20 @@ def test_numbers_with_two_points():
     assert read(script).stages[0].down == (0.0, 0.0, -1.0)
     with pytest.raises(ValueError, match="must have a number, not x1"):
         read(script.replace(".0.0", "x1"))
+
+
+# --- beside LIGGGHTS 3.8.0 --------------------------------------------------------------------------------------
+
+
+def test_a_bed_of_rods_in_liggghts():
+    """Run once in LIGGGHTS 3.8.0 for 40,000 steps of 10 µs: 1145 rods of 20.26169 g settle and press with 0.198775 N.
+
+    It finds the volume of a rod with a million random points.
+    """
+    walls = WALL + LID.replace("0.25", "0.06")
+    box = head("p p f", model="hertz tangential history").replace("0 0.1 0 0.1 0 0.2", "0 0.03 0 0.03 0 0.06")
+    fill = PACK.replace("_region 0.1", "_region 0.15").replace("0 0 -0.5", "0 0 -0.2")
+    state = hl.check(box + GRAVITY + walls + CLUMP + fill + BODIES).state
+    assert state.pressure == pytest.approx(0.198775 / 0.03**2, rel=2e-3) and not state.pressure_is_bound
+    rod = np.array(ROD.split(), float).reshape(2, 4)
+    assert clumps.volume(rod) == pytest.approx(0.02026169 / 1145 / 2500.0, rel=2e-3)

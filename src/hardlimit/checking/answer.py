@@ -44,10 +44,10 @@ SMALLEST_ADDED = 0.001
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 
-#: What is said of grains in free fall.
+#: What is said of grains in free fall, or at rest without gravity.
 NEVER_MEET: Final = (
-    "no grain meets another or a wall (t_c ν = 0): all start with one velocity and fall freely, and no wall acts on "
-    "them"
+    "no grain meets another or a wall (t_c ν = 0): all start with one velocity, the same gravity or none acts on all, "
+    "and there is no wall"
 )
 
 

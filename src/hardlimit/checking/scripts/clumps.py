@@ -89,6 +89,16 @@ def radii(words: Sequence[str], folder: Path | None) -> tuple[float, float]:
     return (0.75 / math.pi * volume(table)) ** (1.0 / 3.0), half_extent(table)
 
 
+def radii_in_log(words: Sequence[str], log: Path) -> tuple[float, float]:
+    """The same radii as the log of an earlier run of this script prints them; a ValueError if it does not."""
+    lines = (text_of(log) or "").splitlines()
+    for k, line in enumerate(lines):
+        if STYLE in line and tuple(line.partition("#")[0].split()) == tuple(words):
+            found = with_printed(tuple(words), lines[k + 1 : k + 1 + PRINTED_WITHIN])
+            return radii(found, None)
+    raise ValueError("log")
+
+
 def half_extent(table: Spheres) -> float:
     """Half the largest distance between two points of a clump."""
     ends = [np.linalg.norm(table[:, :3] - sphere[:3], axis=1) + table[:, 3] + sphere[3] for sphere in table]

@@ -191,12 +191,12 @@ def read_data(state: State, text: str, grains: Sequence[tuple[int, Batch]], shif
 def replicate(state: State, words: Sequence[str]) -> None:
     """``replicate NX NY NZ``: copies of the box and of its grains."""
     filling = state.filling
+    filling.launches.append(free_fall.UNKNOWN)
     if len(words) != 3 or not all(word.isdecimal() and 0 < len(word) < 5 for word in words):
         filling.box, filling.census.complete = {}, False
         return
     times = [int(word) for word in words]
     filling.census.repeat(math.prod(times))
-    filling.launches.append(free_fall.UNKNOWN)
     filling.box = {k: (low, low + times[k] * (high - low)) for k, (low, high) in filling.box.items()}
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 SAFE: Final = (
     *("gravity", "insert/pack", "particletemplate/sphere", "particledistribution/discrete"),
     *("property/", "mesh/surface", "move/mesh", "ave/", "store/", "print", "check/timestep", "massflow/mesh"),
-    *("balance", "diam/max", "contacthistory", "neigh_history", "heat/gran", "region/variable"),
+    *("balance", "diam/max", "contacthistory", "neigh_history", "heat/gran", "region/variable", "remove"),
 )
 #: Integrators among them.
 MOVING: Final = ("nve", "nve/sphere")
@@ -69,7 +69,7 @@ def never_meet(state: State, stage: Stage) -> bool:
     ):
         return False
     filling = state.filling
-    moved = filling.drifts or filling.heat or not filling.velocities_known or not filling.census.complete
+    moved = filling.drifts or filling.heat or not filling.velocities_known
     if moved or len({launch.velocity for launch in launches}) > 1 or not _one_pull(state):
         return False
     places = [launch.place for launch in launches if launch.place is not None]

@@ -423,7 +423,7 @@ class Liggghts(State):
             raise refused(fix.statement, "have a type")
         densities = self.random(fix, ("density",)).get("density")
         try:
-            radius, half_extent = clumps.radii(fix.words, self.folder)
+            radius, half_extent = self.radii_of_clump(fix)
         except ValueError:
             self.quote_with(fix.statement, "the spheres of the clump are not known")
             self.templates[fix.statement.words[1]] = (kind, Batch(None, densities))
@@ -434,6 +434,18 @@ class Liggghts(State):
         if half_extent > clumps.ROUND * radius:
             what += ", although they are not round: speeds under shear and t_c ν are rough estimates"
         self.warnings[Note(what, (str(kind),), fix.statement.quote)] = None
+
+    def radii_of_clump(self, fix: Fix) -> tuple[float, float]:
+        """From the spheres of a template; if they are not there, from the log of the script beside it."""
+        try:
+            return clumps.radii(fix.words, self.folder)
+        except ValueError:
+            if self.folder is None or not self.log_name:
+                raise
+            found = clumps.radii_in_log(fix.statement.words, self.folder / self.log_name)
+        what = f"the sizes of clumps are those that {self.log_name} prints"
+        self.warnings[Note(what, None, fix.statement.quote)] = None
+        return found
 
     def distribution(self, fix: Fix) -> None:
         """The templates of a distribution, and their shares; those without grains are left out."""

@@ -108,7 +108,7 @@ ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS: Final = names("""
 variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
-changed_since undefined forks system unclear steps_done regions fixes time_step filling wanted
+changed_since undefined forks system log_name unclear steps_done regions fixes time_step filling wanted
 """)
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
@@ -191,6 +191,7 @@ class State(Reader):
         self.targets: dict[str, str] = {}  #: of servos, from ``fix_modify``
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
+        self.log_name = ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
         self.regions: dict[str, tuple[str, ...]] = {}
         self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
@@ -581,6 +582,9 @@ class State(Reader):
         """A command for some partitions only."""
         if not set(statement.words[3:4]) <= HARMLESS:
             self.unknown[statement.quote] = None
+
+    def command_log(self, statement: Statement) -> None:
+        self.log_name = statement.words[1] if len(statement.words) > 1 else ""
 
     def command_run_style(self, statement: Statement) -> None:
         if statement.words[1:2] not in (("verlet",), ("verlet/split",)):
@@ -1024,6 +1028,9 @@ class State(Reader):
             self.unknown[fix.statement.quote] = None
         elif style.startswith("dt/reset"):
             self.ignore("a time step that adapts (dt/reset)", fix.statement)
+        elif style == "remove":
+            self.filling.census.complete = False
+            self.ignore("grains that are removed (remove)", fix.statement, types)
         elif style == "setforce" and set(fix.words[:3]) <= {*ZEROS, "NULL"}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:
