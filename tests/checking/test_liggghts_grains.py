@@ -46,12 +46,12 @@ def head(boundary="f f f", friction=0.5, model="hertz tangential history"):
 def test_the_volume_of_a_clump():
     """One sphere, a pair that touches, a lens, and many spheres against random points."""
     ball = 4.0 / 3.0 * math.pi
-    one = np.array([[0.3, -2.0, 1.0, 1.0]])
-    assert clumps.volume(one) == pytest.approx(ball, rel=1e-4)
+    ball_alone = np.array([[0.3, -2.0, 1.0, 1.0]])
+    assert clumps.volume(ball_alone) == pytest.approx(ball, rel=1e-4)
     for axis in range(3):
         for apart, lens in ((2.0, 0.0), (1.0, math.pi * 5.0 / 12.0), (0.0, ball)):
-            other = one + apart * np.eye(4)[axis]
-            assert clumps.volume(np.vstack([one, other])) == pytest.approx(2.0 * ball - lens, rel=1e-4)
+            other = ball_alone + apart * np.eye(4)[axis]
+            assert clumps.volume(np.vstack([ball_alone, other])) == pytest.approx(2.0 * ball - lens, rel=1e-4)
     draw = np.random.default_rng(4)
     many = np.column_stack([draw.uniform(-1.0, 1.0, (12, 3)), draw.uniform(0.2, 0.7, 12)])
     points = draw.uniform(-1.7, 1.7, (400_000, 3))
@@ -209,8 +209,8 @@ def test_lees_edwards_boundaries_shear():
         head("p p p", 0.0) + SPHERE + PACK.replace("0 0 -0.5", "0 0 0") + "fix le all lebc -100 true\n" + MOVE
     )
     verdict = hl.check(script)
-    given = hl.check(script.replace("fix le all lebc -100 true\n", ""), shear_rate=100.0)
-    assert verdict.quantity == "stress" and verdict.rows[0].tc_nu == pytest.approx(given.rows[0].tc_nu)
+    by_option = hl.check(script.replace("fix le all lebc -100 true\n", ""), shear_rate=100.0)
+    assert verdict.quantity == "stress" and verdict.rows[0].tc_nu == pytest.approx(by_option.rows[0].tc_nu)
     assert not verdict.unknown and verdict.rows[0].tc_nu > 0.0
     unknown = read(script.replace("lebc -100", "lebc v_rate")).stages[0]
     assert unknown.shear_rate is None and "unknown rate" in unknown.driven[0].what
@@ -298,8 +298,8 @@ def test_grains_meet_over_periodic_ends():
 
 
 def test_one_grain_keeps_the_numbers_of_its_contact():
-    one = head() + GRAVITY + SINGLE.format(0.03) + "set type 1 diameter 0.004 density 9\n" + MOVE
-    state = hl.check(one).state
+    alone = head() + GRAVITY + SINGLE.format(0.03) + "set type 1 diameter 0.004 density 9\n" + MOVE
+    state = hl.check(alone).state
     assert state.grains == 1 and not state.never_meet and state.duration
 
 
@@ -443,9 +443,9 @@ def test_what_is_set_of_grains_that_are_not_read():
 
 
 def test_one_grain_makes_no_bed():
-    one = PACK.replace("volumefraction_region 0.1", "particles_in_region {}")
+    few = PACK.replace("volumefraction_region 0.1", "particles_in_region {}")
     clump = CLUMP.replace(ROD, "file none.txt")
-    script = head() + GRAVITY + WALL + clump + one + BODIES
+    script = head() + GRAVITY + WALL + clump + few + BODIES
     assert hl.check(script.format(3)).state.pressure and hl.check(script.format(2)).state.pressure is None
 
 

@@ -94,8 +94,7 @@ def radii_in_log(words: Sequence[str], log: Path) -> tuple[float, float]:
     lines = (text_of(log) or "").splitlines()
     for k, line in enumerate(lines):
         if STYLE in line and tuple(line.partition("#")[0].split()) == tuple(words):
-            found = with_printed(tuple(words), lines[k + 1 : k + 1 + PRINTED_WITHIN])
-            return radii(found, None)
+            return radii(with_printed(tuple(words), lines[k + 1 : k + 1 + PRINTED_WITHIN]), None)
     raise ValueError("log")
 
 
@@ -107,5 +106,5 @@ def half_extent(table: Spheres) -> float:
 
 def with_printed(words: tuple[str, ...], lines: Sequence[str]) -> tuple[str, ...]:
     """The words of a statement, with the radii that the code prints below a template of clumps."""
-    found = [match for line in lines if (match := PRINTED.search(line))] if STYLE in words else []
-    return (*words, PRINTED_RADII, found[0][2], found[0][1]) if found else words
+    matches = [match for line in lines if (match := PRINTED.search(line))] if STYLE in words else []
+    return (*words, PRINTED_RADII, matches[0][2], matches[0][1]) if matches else words

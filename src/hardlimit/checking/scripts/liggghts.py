@@ -442,10 +442,10 @@ class Liggghts(State):
         except ValueError:
             if self.folder is None or not self.log_name:
                 raise
-            found = clumps.radii_in_log(fix.statement.words, self.folder / self.log_name)
+            printed = clumps.radii_in_log(fix.statement.words, self.folder / self.log_name)
         what = f"the sizes of clumps are those that {self.log_name} prints"
         self.warnings[Note(what, None, fix.statement.quote)] = None
-        return found
+        return printed
 
     def distribution(self, fix: Fix) -> None:
         """The templates of a distribution, and their shares; those without grains are left out."""
