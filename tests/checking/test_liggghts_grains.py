@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from hardlimit.checking.scripts import clumps, read
+from hardlimit.checking.scripts import clumps, meshes, read
 
 HEAD = """units si
 atom_style granular
@@ -472,3 +472,54 @@ def test_a_bed_of_rods_in_liggghts():
     assert state.pressure == pytest.approx(0.198775 / 0.03**2, rel=2e-3) and not state.pressure_is_bound
     rod = np.array(ROD.split(), float).reshape(2, 4)
     assert clumps.volume(rod) == pytest.approx(0.02026169 / 1145 / 2500.0, rel=2e-3)
+
+
+# --- areas of meshes --------------------------------------------------------------------------------------------
+
+#: A plate of 30 × 20 between z = 0 and 1, whose sides are left out.
+PLATE = np.array(
+    [
+        [[x, y, z] for x, y in corners]
+        for z, order in ((1.0, 1), (0.0, -1))
+        for corners in (((0, 0), (30, 0), (30, 20))[::order], ((0, 0), (30, 20), (0, 20))[::order])
+    ],
+    float,
+)
+
+
+def written(path, binary):
+    """The plate as an STL file."""
+    if binary:
+        records = np.zeros(len(PLATE), meshes.BINARY)
+        records["corners"] = PLATE
+        path.write_bytes(b" " * 80 + len(PLATE).to_bytes(4, "little") + records.tobytes())
+        return
+    corners = ["".join(f"vertex {x} {y} {z}\n" for x, y, z in triangle) for triangle in PLATE]
+    facets = "".join(f"facet normal 0 0 1\nouter loop\n{text}endloop\nendfacet\n" for text in corners)
+    path.write_text(f"solid plate\n{facets}endsolid plate\n", encoding="utf-8")
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_a_force_acts_on_the_area_of_a_mesh(tmp_path, binary):
+    """Turned as the script turns it, within the floor of the box."""
+    written(tmp_path / "plane.stl", binary)
+    path = tmp_path / "in.press"
+    servo = SERVO.format(name="lid", axis="0 0 -1").replace("file plane.stl", "file plane.stl scale 0.001")
+    wall = "fix w all wall/gran model hertz tangential history mesh n_meshes 1 meshes lid\n"
+
+    def pressure(text):
+        path.write_text(head() + SPHERE + PACK + text + wall + MOVE, encoding="utf-8")
+        return read(path).stages[0].pressure
+
+    level = servo.replace("rotate axis 0 1 0 angle 90 ", "")
+    assert pressure(level) == pytest.approx(0.001 / (0.03 * 0.02), rel=1e-6)
+    assert pressure(servo.replace("angle 90", "angle 60")) == pytest.approx(
+        0.001 / (0.03 * 0.02 * 0.5), rel=1e-6
+    )
+    assert pressure(servo.replace("axis 0 0 -1", "axis 1 0 0")) == pytest.approx(
+        0.001 / (0.03 * 0.02), rel=1e-6
+    )
+    assert pressure(level.replace("scale 0.001", "scale 1")) == pytest.approx(
+        0.001 / 0.1**2
+    )  # larger than the box
+    assert pressure(level.replace("file plane.stl", "file none.stl")) == pytest.approx(0.001 / 0.1**2)

@@ -13,6 +13,7 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Final
 
+from . import meshes
 from .description import Bath, Direction, Motion, Note
 from .formulas import NUMBER
 
@@ -130,7 +131,8 @@ def _is_servo(fix: Fix) -> bool:
 def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | None]:
     """The axis along which a servo presses, -1 if it is none, and its pressure.
 
-    A force acts on the area of the box; one that a variable gives may be a pressure times an area between meshes.
+    A force acts on the area of the mesh, if its file is there, within that of the box; one that a variable gives may be
+    a pressure times an area between meshes.
     """
     words = fix.words
     last = max(
@@ -145,8 +147,27 @@ def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | N
     force = state.coefficient(target)
     if force is None:
         return along[0], _over_area(state, target, across)
-    area = math.prod(state.edges.get(AXES[k]) or math.nan for k in across)
-    return along[0], abs(force) / area if area > 0.0 else None
+    floor = math.prod(state.edges.get(AXES[k]) or math.inf for k in across)
+    plate = _area_of_mesh(state, words, along[0])
+    area = floor if plate is None else min(floor, plate)
+    return along[0], abs(force) / area if 0.0 < area < math.inf else None
+
+
+def _area_of_mesh(state: State, words: Sequence[str], along: int) -> float | None:
+    """The area of a mesh as it is seen along an axis; None if its file cannot be read."""
+    name = words[words.index("file") + 1] if "file" in words[:-1] else ""
+    corners = meshes.read(state.folder / name) if state.folder is not None and name else None
+    scale = state.coefficient(words[words.index("scale") + 1]) if "scale" in words[:-1] else 1.0
+    if corners is None or not scale:
+        return None
+    if "rotate" in words:
+        at = words.index("rotate")
+        numbers = [state.coefficient(word) for word in (*words[at + 2 : at + 5], *words[at + 6 : at + 7])]
+        known = [number for number in numbers if number is not None]
+        if len(known) < 4 or not any(known[:3]) or words[at + 5] != "angle":
+            return None
+        corners = meshes.rotated(corners, known[:3], known[3])
+    return scale * scale * meshes.area_across(corners, along)
 
 
 def _over_area(state: State, target: str, across: Sequence[int]) -> float | None:
