@@ -372,6 +372,8 @@ def test_servos_that_face_each_other():
     assert read(forces).stages[0].pressure == pytest.approx(0.001 * (1 / 0.01 + 2 / 0.02) / 3.0)
     other = forces.replace("axis 0 0 -1 target_val 0.001", "axis 0 0 -1 target_val 0.002")
     assert read(other).stages[0].pressure is None
+    again = other.replace("fix w all", "fix_modify z1 target_val 0.001\nfix w all")
+    assert read(again).stages[0].pressure == read(forces).stages[0].pressure
 
 
 # --- adhesion ---------------------------------------------------------------------------------------------------

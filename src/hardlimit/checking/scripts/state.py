@@ -1002,7 +1002,7 @@ class State(Reader):
 
     def command_fix_modify(self, statement: Statement) -> None:
         words = statement.words
-        if words[2:3] == ("servo/target_val",) and len(words) == 4:
+        if words[2:3] in (("servo/target_val",), ("target_val",)) and len(words) == 4:
             self.targets[words[1]] = words[3]
             self.changed_since = True
 
