@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
+from typing import Final
 
 from ..boxes.error_law import MEASURED_TC_NU
 from ..support.formatting import digits, listed, percent, percent_with_error
@@ -45,6 +46,13 @@ HARDLY_SOFTER = 0.9
 HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 
+#: What is said of grains in free fall, or at rest without gravity.
+NEVER_MEET: Final = (
+    "no grain meets another or a wall (t_c ν = 0): all start with one velocity, the same gravity or none acts on all, "
+    "and there is no wall"
+)
+
+
 @dataclass(frozen=True)
 class Question:
     """What is asked of the contacts."""
@@ -57,6 +65,7 @@ class Question:
     heats_spins: bool = False  #: whether a thermostat acts on spins, too
     may_be_dense: bool = False  #: whether it is a shear flow whose pressure is not known
     given: str = ""  #: the option that states what drives it, which excludes a speed
+    never_meet: bool = False  #: whether no grain meets another or a wall
 
 
 def answer(
@@ -69,6 +78,8 @@ def answer(
     """Whether event-driven simulation is admissible, and the sentence."""
     if invalidates:
         return False, _invalid(invalidates)
+    if question.never_meet:
+        return None, f"Cannot be said: {NEVER_MEET}."
     if question.driven:
         return None, f"Cannot be said: {_driven(rows, question)}."
     pairs = [row for row in rows if row.types[1] != "wall"]

@@ -612,6 +612,7 @@ class GrainState:
     step_is_supposed: bool = False  #: whether it is that below these layers, or for rigid grains
     step_share: float | None = None  #: the time step over it
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
+    never_meet: bool = False  #: whether no grain meets another or a wall, so that t_c ν = 0
     supposed_tc_nu: float | None = None  #: t_c ν of a gas of which φ or the speed is supposed
     impact_speed: float | None = None  #: [m/s] of this impact
     speed_is_chosen: bool = False  #: whether no speed is known
@@ -675,6 +676,15 @@ def grain_state(cases: Sequence[Case], load: Load, time_step: float | None, dime
     )
 
 
+def _of_repulsion(moving: Sequence[Case], load: Load, packing: Packing, dimension: int) -> float | None:
+    """κ_p of adhesive grains without their adhesion, which adds to the overlap; None if it is not known of all."""
+    pairs = [case for case in moving if case.second is not None]
+    bare = [replace(case, force=case.repulsion) for case in pairs if case.repulsion is not None]
+    known = [each.stiffness_number for each in loaded(bare, load.pressure, packing, dimension)]
+    numbers = [number for number in known if number is not None]
+    return min(numbers) if numbers and len(numbers) == len(pairs) else None
+
+
 def _below_a_layer(load: Load, cases: Sequence[Case], state: GrainState, dimension: int) -> Load:
     """The least pressure in a bed, below one layer of grains: there I is largest and the collisional border lowest."""
     diameter, density = _grain(cases, load.kinds, dimension)
@@ -724,6 +734,12 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         froude_number=load.froude_number,
         centrifuging_radius=load.centrifuging_radius,
     )
+    if (
+        load.pressure is not None
+        and not _pairs(contacts)
+        and (kappa := _of_repulsion(moving, load, packing, dimension))
+    ):
+        return replace(state, stiffness_number=kappa)
     if not contacts:
         return of_any_size(state, moving, load.pressure, packing, dimension)
     if load.pressure is None:

@@ -151,6 +151,8 @@ def energy_density(contact: ContactSettings, units: str = "si") -> tuple[Any, fl
     return model.words[0], float(density.words[0]) * mass / (length * time**2)
 
 
+#: The model with the stiffness of LIGGGHTS' models with adhesion: k₁ of the first compression, E of JKR.
+REPULSION: Final = {"hooke/hysteresis": "hooke", "jkr": "hertz"}
 #: The numbers of codes that set a stiffness.
 SPRINGS: Final = ("stiffness", "youngs_modulus")
 #: Unit of a stiffness or a modulus, with the power of length.
@@ -250,12 +252,26 @@ def of_script(description: Description, kinds: Sequence[object]) -> tuple[list[C
         materials = _materials(forces)
         for contact, known in forces:
             friction = friction_of(source, contact, known)
-            cases += _ends(number, stage, contact, known, friction, materials)
+            repulsion = _without_adhesion(source, contact, description.version) if contact.adhesion else None
+            ends = _ends(number, stage, contact, known, friction, materials)
+            cases += (replace(case, repulsion=repulsion) for case in ends)
     said = [
         f"{listed(list(names))}: mixed as {source.title} does since {limit}; before, their numbers do not determine ε."
         for limit, names in since.items()
     ]
     return cases, Remarks(tuple(said), tuple(failed))
+
+
+def _without_adhesion(source: Code, contact: ContactSettings, version: str | None) -> ModelForce | None:
+    """The force of a contact without its cohesion, or on its first compression; None if it is not known."""
+    settings = {name: setting for name, setting in contact.settings.items() if name != "cohesion"}
+    model = settings.get("model")
+    if model is not None and (plain := REPULSION.get(model.words[0])):
+        settings["model"] = replace(model, words=(plain, *model.words[1:]))
+    try:
+        return force_of(source, replace(contact, settings=settings, adhesion=""), version)
+    except ValueError:
+        return None
 
 
 def of_other_versions(script: Description, rows: Sequence[CheckedContact]) -> Iterator[str]:

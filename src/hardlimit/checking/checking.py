@@ -41,6 +41,7 @@ from .expectation import checked_packing_fraction
 from .result import CheckedStage, Finding, Inferred, Verdict
 from .scripts import Bath, Description, Grains, Note, Quote, Stage
 from .scripts import read as read_script
+from .scripts.clumps import STYLE as MULTISPHERE
 from .supplied import NOTHING, SCALES, Supplied, completed, supplied
 
 NO_RUN: Final = Stage(
@@ -381,6 +382,8 @@ class System:
 
     def missing(self, states: Sequence[dumps.State]) -> tuple[str, ...]:
         """What is not known, in words."""
+        if self.question.never_meet:
+            return ()
         rows = [row for _, row in self.examined]
         return _missing(rows, self.gas, self.speeds, self.options.drive)
 
@@ -527,7 +530,8 @@ def _of_script(script: Description, options: Options, frames: Sequence[dumps.Fra
     final = next(system for system in systems if system.last is last)
     others = " ".join(note.what for note in script.invalidates)
     grains = _held_in_script(final, frames, states, others)
-    final = replace(final, question=_flowing(final.question, grains, bool(last.gravity)))
+    question = _flowing(final.question, grains, bool(last.gravity))
+    final = replace(final, question=replace(question, never_meet=grains.never_meet))
     systems = [final if system.last is last else system for system in systems]
     invalidates = [_finding(note) for note in script.invalidates]
     invalidates += _held_together(grains, options, _lasting(script.stages, supports, rows, states, chosen))
@@ -971,19 +975,25 @@ def _held_in_script(
         barostat="barostat" in others,
         fluid=any(words in others for words in ("fluid", "buoyancy")),
     )
-    grains = _held(stage, drive.support(stage), final.options, around)
-    return _contact_of_few(grains, final, around)
+    grains = _contact_of_few(_held(stage, drive.support(stage), final.options, around), final, around)
+    if (
+        MULTISPHERE in others
+    ):  # whose arms and moments of inertia are not those of the sphere that stands for them
+        grains = replace(grains, largest_stable_step=None, step_share=None)
+    return grains
 
 
 def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> GrainState:
     """The state of few grains, or of a gas of unknown packing or speed, with numbers of contacts, in SI units."""
     stage, loaded = final.last, final.options.load.rests or final.options.drive
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
+    many = count is None or count > few.FEW
+    if many and stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
+        return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
     prescribed = grains.name == "pressed" and grains.pressure is not None
-    several = count is None or count > few.FEW
-    if several and around.cases and all(case.second is None for case in around.cases):
+    if many and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
     shaken = grains.name == "shaken" and grains.shaking is not None
     if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):

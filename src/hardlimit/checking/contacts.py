@@ -131,6 +131,7 @@ class Case:
     friction: FrictionLaw = SMOOTH_LAW
     #: Powers of mass, length and time in the unit of the number that sets the stiffness.
     spring_powers: tuple[float, float, float] | None = None
+    repulsion: MakeForce | None = None  #: the force of an adhesive contact without its adhesion
 
 
 class OtherVersion(NamedTuple):

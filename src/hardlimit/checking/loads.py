@@ -15,7 +15,7 @@ from ..support import validation
 from ..support.formatting import digits, length
 from . import dumps, flows, mixture
 from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
-from .contacts import Case
+from .contacts import Body, Case
 from .drive import Support
 from .scripts import Stage
 from .scripts.description import WALL, Contents
@@ -24,6 +24,8 @@ from .supplied import SCALES
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
+#: Fewest grains that make a bed.
+SMALLEST_BED: Final = 3
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -190,6 +192,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         full = _height(stage)
         if full is None or contents.filled / contents.floor <= phi * full:
             return {"pressure": pressure, "origin": origin, "weight": True, "bound": contents.walled}
+    if options.height is None and contents.count is not None and contents.count < SMALLEST_BED:
+        return {}
     edge = _height(stage) or contents.height
     height = edge if options.height is None else options.height
     if height is None or density is None:
@@ -226,6 +230,13 @@ def _height(stage: Stage) -> float | None:
     return math.fsum(known) if len(known) == len(parts) else None
 
 
+def _own_density(body: Body, dimension: int) -> float | None:
+    """Density of a grain, in two dimensions that of a disk; None if it is not known."""
+    if body.mass and body.radius:
+        return body.mass / (UNIT_BALL[dimension] * body.radius**dimension)
+    return body.density if dimension == 3 else None
+
+
 def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
     """Density of the grains that move, in two dimensions that of disks; None if one is not known.
 
@@ -233,11 +244,7 @@ def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
     """
     bodies = [body for case in around.cases for body in (case.first, case.second) if body is not None]
     moving = [body for body in bodies if not body.fixed and body.mass != math.inf]
-    known = [
-        body.mass / (UNIT_BALL[around.dimension] * body.radius**around.dimension)
-        for body in moving
-        if body.mass and body.radius
-    ]
+    known = [density for body in moving if (density := _own_density(body, around.dimension))]
     if not known or len(known) < len(moving):
         return None
     of_type = {

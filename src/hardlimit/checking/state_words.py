@@ -139,6 +139,8 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     if kappa is None or state.regime == "collisional":
         return text
     text += f": κ_p{least} {digits(kappa, 2)}"
+    if state.overlap is None:
+        return f"{text} without the adhesion, which adds to the overlap; rigid from κ_p = 1e4 on"
     if not _flows(state) and not _slides(state):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
         if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:

@@ -102,6 +102,7 @@ class Contents:
     height: float | None = None  #: that no bed of these grains exceeds
     height_from: str = ""  #: where this comes from, in words
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
+    never_meet: bool = False  #: whether no grain meets another or a wall
 
 
 NOTHING = Contents()

@@ -9,12 +9,12 @@ import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from ...support.formatting import digits
-from . import census
+from . import census, free_fall
 from .census import Census, Lattice
 from .description import Contents, Direction, Lot, Range, Speed, Stage
 from .motion import AXES, BOLTZMANN
@@ -53,6 +53,7 @@ class Filling:
     lattice: Lattice = field(default_factory=Lattice)
     regions: dict[str, Region | None] = field(default_factory=dict)
     insertions: list[Insertion] = field(default_factory=list)
+    launches: list[free_fall.Launch] = field(default_factory=list)  #: of all grains
     heat: list[Speed] = field(default_factory=list)  #: of velocities drawn at random
     drifts: dict[str, tuple[float | None, ...]] = field(default_factory=dict)  #: velocities of groups
     velocities_known: bool = True  #: whether none of them is unknown
@@ -158,6 +159,7 @@ def read_header(state: State, text: str) -> None:
 def read_data(state: State, text: str, grains: Sequence[tuple[int, Batch]], shift: int) -> None:
     """The box, the grains and the velocities of a data file; ``shift``: of its types."""
     filling, sums = state.filling, dict[int, list[float]]()
+    filling.launches.append(free_fall.UNKNOWN)
     read_header(state, text)
     for kind, batch in grains:
         radius = batch.radii[0] if batch.radii else math.nan
@@ -189,6 +191,7 @@ def read_data(state: State, text: str, grains: Sequence[tuple[int, Batch]], shif
 def replicate(state: State, words: Sequence[str]) -> None:
     """``replicate NX NY NZ``: copies of the box and of its grains."""
     filling = state.filling
+    filling.launches.append(free_fall.UNKNOWN)
     if len(words) != 3 or not all(word.isdecimal() and 0 < len(word) < 5 for word in words):
         filling.box, filling.census.complete = {}, False
         return
@@ -228,6 +231,7 @@ def create_atoms(state: State, kind: int, words: Sequence[str]) -> None:
         filling.apart = min(filling.apart, state.coefficient(distance) or 0.0)
     if style != "single":
         filling.insertions.append(Insertion(region, poured=False))
+    filling.launches.append(free_fall.single(state, words[1:]) if style == "single" else free_fall.UNKNOWN)
 
 
 def poured(state: State, fix: Fix, kind: int, count: float | None, means: tuple[float, float] | None) -> None:
@@ -235,26 +239,32 @@ def poured(state: State, fix: Fix, kind: int, count: float | None, means: tuple[
     words = (*fix.words, "")
     name = words[words.index("region") + 1] if "region" in words[:-1] else ""
     state.filling.census.add(census.lot(kind, count, means))
-    state.filling.insertions.append(Insertion(state.filling.regions.get(name), velocity_of(state, fix)))
+    velocity = velocity_of(state, fix)
+    state.filling.insertions.append(Insertion(state.filling.regions.get(name), velocity))
+    state.filling.launches.append(free_fall.inserted(fix, velocity))
 
 
-def inserted(state: State, fix: Fix, kind: int, radii: Range | None) -> None:
-    """Grains of ``fix insert``: a number, or a share of the volume of a region that is filled once."""
+def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: Range | None = None) -> None:
+    """Grains of ``fix insert``: a number, a mass, or a share of the volume of a region that is filled once."""
 
     def number(name: str) -> float | None:
         return state.coefficient(fix.words[fix.words.index(name) + 1]) if name in fix.words[:-1] else None
 
     filling, share, count = state.filling, number("volumefraction_region"), number("nparticles")
+    mass = number("mass")
     if "once" in fix.words:
         count = number("particles_in_region") if count is None else count
+        mass = number("mass_in_region") if mass is None else mass
     elif fix.style.startswith("insert/pack"):
-        share = count = None
+        share = count = mass = None
     name = (*fix.words[fix.words.index("region") + 1 :], "")[0] if "region" in fix.words else ""
     poured(state, fix, kind, count, alike(radii))
     region = filling.regions.get(name)
     space = census.volume(region, filling.ends) if region and share is not None else None
     if share is not None and space is not None and math.isfinite(space):
         filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * share * space)
+    elif count is None and mass is not None and densities is not None and densities[0] == densities[1]:
+        filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * mass / densities[0])
 
 
 def alike(radii: Range | None) -> tuple[float, float] | None:
@@ -363,7 +373,18 @@ def contents(state: State, stage: Stage) -> Contents:
         floor=floor,
         walled=walled or any(kind.partly_frozen for kind in stage.grains.values()),
         lots=filling.census.known,
+        never_meet=free_fall.never_meet(state, stage),
+        **height_of(state, stage),
     )
+
+
+def height_of(state: State, stage: Stage) -> dict[str, Any]:
+    """The height between plane walls along gravity, where the box is not known."""
+    axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
+    places = {x for axis in axes for x in planes(state).get(axis, []) if axis not in state.filling.box}
+    if len(places) < 2 or not all(map(math.isfinite, places)):
+        return {}
+    return {"height": max(places) - min(places), "height_from": "between plane walls"}
 
 
 def overlap_free(filling: Filling, stage: Stage) -> bool:
@@ -464,7 +485,12 @@ def has_known_shape(state: State, wall: Fix) -> bool:
 
 
 def falls(state: State, stage: Stage) -> Iterator[Speed]:
-    """The speeds with which grains reach the floor from where they are made."""
+    """The speeds with which grains reach the floor from where they are made; without gravity, those of insertions."""
+    if not any(fix.style == "gravity" for fix in state.fixes.values()):
+        largest = max((math.hypot(*each.velocity) for each in state.filling.insertions), default=0.0)
+        if largest and any(contact.wall is not None for contact in stage.contacts):
+            yield Speed(largest, "the insertion")
+        return
     axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
     if (
         not axes

@@ -203,6 +203,7 @@ LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
     "computeElasticPotential": None,
     "computeDissipatedEnergy": None,
     "computeDissipation": None,
+    "capillaryModel": None,  # of cohesion capillary
 }
 #: Styles of ``fix property/global`` with the number of types of a value.
 PROPERTIES: Final = {"peratomtype": 1, "peratomtypepair": 2, "scalar": 0}

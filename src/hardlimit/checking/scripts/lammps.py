@@ -284,7 +284,7 @@ class Lammps(State):
             return True
         if fix.style in ("pour", "deposit"):
             if not self.understood(fix.statement, lambda: self.insert(fix), contacts=False):
-                self.population.elsewhere = True
+                self.population.from_elsewhere()
             return True
         return False
 

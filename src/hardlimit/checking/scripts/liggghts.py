@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
-from . import census, filling, granular_words, liggghts_friction, motion
-from .description import ContactSettings, Quote, Range, Setting, Settings
+from . import census, clumps, filling, granular_words, liggghts_friction, motion
+from .description import ContactSettings, Note, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
 from .materials import one_material
@@ -23,7 +24,16 @@ OF_CONTACT: Final = (
     *("kn", "gamman", "gamman_abs", "cohesionEnergyDensity", "surfaceTension", "fluidViscosity"),
 )
 #: Normal models with plasticity or adhesion.
-STICKY_MODELS: Final = ("hooke/hysteresis", "edinburgh", "edinburgh/stiffness", "luding", "thornton_ning")
+STICKY_MODELS: Final = (
+    "hooke/hysteresis",
+    "edinburgh",
+    "edinburgh/stiffness",
+    "luding",
+    "thornton_ning",
+    "jkr",
+)
+#: Words that LIGGGHTS takes as numbers.
+OF_NUMBERS: Final = re.compile(r"[-+.\deE]*[.\d][-+.\deE]*")
 #: Fixes that leave spins alone.
 SPINLESS: Final = ("nve", "nve/limit", "nve/noforce", "move")
 #: Models of cohesion with the properties to which their force is proportional.
@@ -107,7 +117,9 @@ class Liggghts(State):
         self.properties: dict[str, Property] = {}
         self.templates: dict[str, tuple[int, Batch]] = {}
         self.distributions: dict[str, list[str]] = {}
-        self.shares: dict[str, list[float | None]] = {}  #: of the mass, of the templates of each distribution
+        #: Of the mass, or of the number of grains, of the templates of each distribution.
+        self.shares: dict[str, list[float | None]] = {}
+        self.by_number: set[str] = set()  #: distributions with shares of the number
         self.meshes: dict[str, int] = {}
         self.coarse = 1.0
 
@@ -117,6 +129,13 @@ class Liggghts(State):
         super().statement(
             replace(statement, words=("pair_style", "gran", *statement.words)) if alone else statement
         )
+
+    def number(self, statement: Statement, word: str) -> float:
+        """A number. The code takes words of its letters alone as C's ``atof`` does: 0 for ``.0.0``."""
+        if OF_NUMBERS.fullmatch(word) and not NUMBER.fullmatch(word):
+            begin = NUMBER.match(word)
+            return float(begin[0]) if begin else 0.0
+        return super().number(statement, word)
 
     # --- pair style, properties, walls --------------------------------------------------------------------------
 
@@ -152,6 +171,7 @@ class Liggghts(State):
             "property/global": self.property,
             "wall/gran": self.read_wall,
             "particletemplate/sphere": self.template,
+            clumps.STYLE: self.clump,
             "particledistribution/discrete": self.distribution,
             "insert": self.insert,
             "mesh/surface": self.mesh,
@@ -171,7 +191,7 @@ class Liggghts(State):
         """Drop a fix that was not understood."""
         self.fixes = {name: other for name, other in self.fixes.items() if other is not fix}
         if fix.style.startswith(("particle", "insert", "pour")):
-            self.population.elsewhere = True
+            self.population.from_elsewhere()
 
     def property(self, fix: Fix) -> None:
         """A property of types or of pairs of types. A later one replaces an earlier one of the same name."""
@@ -395,10 +415,49 @@ class Liggghts(State):
             radii = (radii[0] * self.coarse, radii[1] * self.coarse)
         self.templates[fix.statement.words[1]] = (kind, Batch(radii, limits.get("density")))
 
+    def clump(self, fix: Fix) -> None:
+        """A template of clumps: their type and density, and the radius of the sphere of the same volume."""
+        self.other_fix(fix)
+        kind = self.type_of(self.option(fix, "atom_type") or "1")
+        if not 1 <= kind <= MAX_TYPES:
+            raise refused(fix.statement, "have a type")
+        densities = self.random(fix, ("density",)).get("density")
+        try:
+            radius, half_extent = self.radii_of_clump(fix)
+        except ValueError:
+            self.quote_with(fix.statement, "the spheres of the clump are not known")
+            self.templates[fix.statement.words[1]] = (kind, Batch(None, densities))
+            return
+        own = self.coarse * radius
+        self.templates[fix.statement.words[1]] = (kind, Batch((own, own), densities))
+        what = "clumps count as spheres of their volume and mass"
+        if half_extent > clumps.ROUND * radius:
+            what += ", although they are not round: speeds under shear and t_c ν are rough estimates"
+        self.warnings[Note(what, (str(kind),), fix.statement.quote)] = None
+
+    def radii_of_clump(self, fix: Fix) -> tuple[float, float]:
+        """From the spheres of a template; if they are not there, from the log of the script beside it."""
+        try:
+            return clumps.radii(fix.words, self.folder)
+        except ValueError:
+            if self.folder is None or not self.log_name:
+                raise
+            printed = clumps.radii_in_log(fix.statement.words, self.folder / self.log_name)
+        what = f"the sizes of clumps are those that {self.log_name} prints"
+        self.warnings[Note(what, None, fix.statement.quote)] = None
+        return printed
+
     def distribution(self, fix: Fix) -> None:
-        """The templates of a distribution, and their shares of its mass."""
-        self.distributions[fix.statement.words[1]] = list(fix.words[2::2])
-        self.shares[fix.statement.words[1]] = [self.coefficient(word) for word in fix.words[3::2]]
+        """The templates of a distribution, and their shares; those without grains are left out."""
+        name = fix.statement.words[1]
+        pairs = [
+            (word, self.coefficient(share)) for word, share in zip(*[iter(fix.words[2:])] * 2, strict=False)
+        ]
+        present = [pair for pair in pairs if pair[1] != 0.0] or pairs
+        self.distributions[name] = [word for word, _ in present]
+        self.shares[name] = [share for _, share in present]
+        if fix.style.endswith("numberbased"):
+            self.by_number.add(name)
 
     def insert(self, fix: Fix) -> None:
         """Insertion of a distribution."""
@@ -411,18 +470,29 @@ class Liggghts(State):
                 self.population.add(*template)
         known = [template for template in templates if template is not None]
         sizes = {template.radii for _, template in known}
-        filling.inserted(self, fix, known[0][0], sizes.pop() if len(sizes) == 1 else None)
+        dense = {template.densities for _, template in known}
+        filling.inserted(
+            self,
+            fix,
+            known[0][0],
+            sizes.pop() if len(sizes) == 1 else None,
+            dense.pop() if len(dense) == 1 else None,
+        )
         lot = self.filling.census.lots[-1]
-        if (
-            len(known) > 1
-            and lot.number
-            and (shares := numbers([each for _, each in known], self.shares[name]))
-        ):
+        if len(known) > 1 and lot.number and (shares := self.numbers(name, [each for _, each in known])):
             means = [filling.alike(template.radii) for _, template in known]
             pairs = zip(known, shares, means, strict=True)
             self.filling.census.lots[-1:] = [
                 census.lot(kind, share * lot.number, mean) for (kind, _), share, mean in pairs
             ]
+
+    def numbers(self, name: str, templates: Sequence[Batch]) -> list[float]:
+        """Shares of the number of grains of the templates of a distribution; empty if not known."""
+        shares = self.shares[name]
+        if name not in self.by_number:
+            return numbers(templates, shares)
+        known = [share for share in shares if share is not None and share > 0.0]
+        return [share / math.fsum(known) for share in known] if len(known) == len(templates) else []
 
     def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
         """What a keyword of ``set`` does to grains. In LIGGGHTS, another diameter keeps the density."""

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
+from . import clumps
 from .commands import UNRESOLVED, Variables
 from .state import HARMLESS, State
 from .statements import LONGEST_QUOTE, Statement, scan, split
@@ -72,4 +73,5 @@ def commands(text: str, file: str, variables: Variables, state: type[State]) -> 
         elif command[0] == "next":
             variables.step(command[1:])
         elif command[0] not in ("include", "if", "jump", "label", "quit", "log"):
+            command = clumps.with_printed(command, lines[k : k + clumps.PRINTED_WITHIN])
             yield Statement(first, command, code, file=file)

@@ -13,6 +13,7 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Final
 
+from . import meshes
 from .description import Bath, Direction, Motion, Note
 from .formulas import NUMBER
 
@@ -48,6 +49,12 @@ WAVE: Final = re.compile(r"\b(?:sin|cos)\(")
 #: A reference to what the simulation computes, such as a force.
 MEASURED: Final = re.compile(r"\b[cf]_\w+")
 
+#: A number times a variable, a product of two differences of variables, and a place of a mesh that carries a stress.
+TIMES_VARIABLE: Final = re.compile(r"([^v]+)\*(v_\w+)")
+AREA: Final = re.compile(r"\((v_\w+)-(v_\w+)\)\*\((v_\w+)-(v_\w+)\)")
+MESH_PLACE: Final = re.compile(r"f_(\w+)\[(\d+)\]")
+MESH_AXES: Final = {"7": 0, "8": 1, "9": 2}
+
 Driven = tuple[tuple[Note, ...], tuple[Note, ...], float | None, Bath | None]
 
 
@@ -63,6 +70,10 @@ def driven(state: State) -> Driven:
             pressed += [note] * (kind == "pressed")
             others += [note] * (kind == "other")
             rates += [] if rate is None else [rate]
+        elif fix.style == "lebc":
+            rate = state.coefficient((*fix.words, "")[0])
+            rates += [abs(rate)] if rate else []
+            others += [Note("a shear of unknown rate (fix lebc)", None, fix.statement.quote)] * (rate is None)
         elif "servo" in fix.style and "torque" in fix.words:
             others.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
         elif "servo" in fix.style or (fix.style.startswith("wall/gran") and measured(state, fix.words)):
@@ -77,9 +88,18 @@ def driven(state: State) -> Driven:
 def pressure(state: State) -> float | None:
     """The pressure that barostats, walls under a force and ``fix deform`` prescribe: the mean of the stated axes.
 
-    None without one, or if it is not known, not positive, or prescribed twice.
+    None without one, or if it is not known, not positive, or prescribed twice. Servos count by axis: two that face each
+    other must agree.
     """
     stated = [values for fix in state.fixes.values() if (values := _pressures(state, fix))]
+    servos = [_pressed_by_servo(state, *pair) for pair in state.fixes.items() if _is_servo(pair[1])]
+    by_axis: dict[int, set[float | None]] = {}
+    for axis, value in servos:
+        by_axis.setdefault(axis, set()).add(value)
+    if servos:
+        stated.append([value for values in by_axis.values() for value in values])
+        if -1 in by_axis or any(len(values) > 1 for values in by_axis.values()):
+            return None
     if len(stated) != 1 or None in stated[0]:
         return None
     mean = math.fsum(value or 0.0 for value in stated[0]) / len(stated[0])
@@ -87,17 +107,11 @@ def pressure(state: State) -> float | None:
 
 
 def _pressures(state: State, fix: Fix) -> list[float | None]:
-    """The pressures at the end that a fix prescribes; a force of a servo acts on the floor of the box."""
+    """The pressures at the end that ``fix deform`` or a barostat prescribes."""
     words = fix.words
     if fix.style.startswith("deform"):
         parts = [values[0] for _, style, values in deformed(words) if style.startswith("pressure") and values]
         return [state.coefficient(word) for word in parts]
-    if fix.style.endswith("servo") and "force" in words and {"axis", "target_val"} <= set(words[:-1]):
-        normal = [state.coefficient(word) for word in words[words.index("axis") + 1 :][:3]]
-        force = state.coefficient(words[words.index("target_val") + 1])
-        sides = [state.edges.get(axis) for axis, part in zip(AXES, normal, strict=False) if part == 0.0]
-        area = math.prod(side or math.nan for side in sides)
-        return [abs(force) / area if force is not None and len(sides) == 2 and area > 0.0 else None]
     if not fix.style.startswith(("nph", "npt", "press/", "box/relax")):
         return []
     place = 1 if fix.style.startswith("box/relax") else 2
@@ -105,6 +119,81 @@ def _pressures(state: State, fix: Fix) -> list[float | None]:
         words[k + place] for k, word in enumerate(words[:-place]) if word in ("iso", "aniso", "tri", *AXES)
     ]
     return [state.coefficient(word) for word in ends]
+
+
+def _is_servo(fix: Fix) -> bool:
+    """Whether a fix is a wall under a force."""
+    return (
+        fix.style.endswith("servo") and "force" in fix.words and {"axis", "target_val"} <= set(fix.words[:-1])
+    )
+
+
+def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | None]:
+    """The axis along which a servo presses, -1 if it is none, and its pressure.
+
+    A force acts on the area of the mesh, if its file is there, within that of the box; one that a variable gives may be
+    a pressure times an area between meshes.
+    """
+    words = fix.words
+    last = max(
+        k for k, word in enumerate(words) if word == "axis"
+    )  # before it, a mesh may be rotated about another
+    normal = [state.coefficient(word) for word in words[last + 1 :][:3]]
+    along = [k for k, part in enumerate(normal) if part]
+    if len(along) != 1 or None in normal or len(normal) < 3:
+        return -1, None
+    target = state.targets.get(name, words[words.index("target_val") + 1])
+    across = [k for k in range(3) if k != along[0]]
+    force = state.coefficient(target)
+    if force is None:
+        return along[0], _over_area(state, target, across)
+    floor = math.prod(state.edges.get(AXES[k]) or math.inf for k in across)
+    plate = _area_of_mesh(state, words, along[0])
+    area = floor if plate is None else min(floor, plate)
+    return along[0], abs(force) / area if 0.0 < area < math.inf else None
+
+
+def _area_of_mesh(state: State, words: Sequence[str], along: int) -> float | None:
+    """The area of a mesh as it is seen along an axis; None if its file cannot be read."""
+    name = words[words.index("file") + 1] if "file" in words[:-1] else ""
+    corners = meshes.read(state.folder / name) if state.folder is not None and name else None
+    scale = state.coefficient(words[words.index("scale") + 1]) if "scale" in words[:-1] else 1.0
+    if corners is None or not scale:
+        return None
+    if "rotate" in words:
+        at = words.index("rotate")
+        numbers = [state.coefficient(word) for word in (*words[at + 2 : at + 5], *words[at + 6 : at + 7])]
+        known = [number for number in numbers if number is not None]
+        if len(known) < 4 or not any(known[:3]) or words[at + 5] != "angle":
+            return None
+        corners = meshes.rotated(corners, known[:3], known[3])
+    return scale * scale * meshes.area_across(corners, along)
+
+
+def _over_area(state: State, target: str, across: Sequence[int]) -> float | None:
+    """The pressure p of a force ``p*v_area``, a product of distances of meshes or of edges of the box; else None."""
+    match = TIMES_VARIABLE.fullmatch(_formula(state, target))
+    area = "" if match is None else _formula(state, match[2])
+    pressure = None if match is None else state.variables.number(match[1])
+    if pressure is not None and area in (f"l{AXES[i]}*l{AXES[j]}" for i, j in (across, across[::-1])):
+        return abs(pressure)
+    sides = AREA.fullmatch(area)
+    if sides is None or pressure is None:
+        return None
+    places = [MESH_PLACE.fullmatch(_formula(state, side)) for side in sides.groups()]
+    axes = [None if place is None else MESH_AXES.get(place[2]) for place in places]
+    meshes = {place[1] for place in places if place is not None}
+    different = len(meshes) == 4 and all(name in state.fixes for name in meshes)
+    same = axes[0] == axes[1] and axes[2] == axes[3] and {axes[0], axes[2]} == {*across}
+    return abs(pressure) if different and same else None
+
+
+def _formula(state: State, word: str) -> str:
+    """The formula of a variable ``v_name`` of style ``equal``, without blanks; empty for other words."""
+    variable = state.variables.known.get(word[2:]) if word.startswith("v_") else None
+    if variable is None or variable.style != "equal":
+        return ""
+    return "".join(state.variables.substitute(variable.values[0]).split())
 
 
 def measured(state: State, words: Sequence[str]) -> bool:

@@ -54,6 +54,11 @@ class Population:
 
     batches: dict[int, list[Batch]] = field(default_factory=dict)
     elsewhere: bool = False  #: whether grains of any type may come from a file that was not read
+    unread: Batch = field(default_factory=Batch)  #: what later commands say of all of these
+
+    def from_elsewhere(self) -> None:
+        """Grains come from a file that is not read."""
+        self.elsewhere, self.unread = True, Batch()
 
     def add(self, kind: int, batch: Batch) -> None:
         """Create grains."""
@@ -100,8 +105,11 @@ class Population:
         whole: bool,
         change: Callable[[Batch], Batch],
         atoms: range | None = None,
+        unread: bool = False,
     ) -> None:
-        """Change grains, which are chosen as in ``split``."""
+        """Change grains, which are chosen as in ``split``; ``unread``: and all those of files that were not read."""
+        if unread:
+            self.unread = change(self.unread)
         for kind, kept, chosen in list(self.split(kinds, whole, atoms)):
             self.batches[kind] = list(dict.fromkeys([*kept, *map(change, chosen)]))
 
@@ -127,7 +135,7 @@ class Population:
         """The grains of one type, whose densities may be those of disks."""
         batches = [batch.with_mass_of(2) if disks else batch for batch in self.batches.get(kind, [])]
         if self.elsewhere:
-            batches = [*batches, Batch()]
+            batches = [*batches, self.unread]
         densities = union([batch.densities for batch in batches])
         masses = None
         if densities is None:

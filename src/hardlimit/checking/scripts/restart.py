@@ -9,6 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from . import free_fall
 from .commands import Commands, Variables, text_of
 from .filling import Filling
 from .population import Population
@@ -61,6 +62,7 @@ def written(state: State, name: str) -> None:
     wanted.understood = not (state.unknown or tied)
     filling = copy.deepcopy(state.filling)
     filling.insertions, filling.heat, filling.drifts, filling.velocities_known = [], [], {}, False
+    filling.launches = [free_fall.UNKNOWN]
     wanted.contents = Restart(
         state.units,
         state.dimension,

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final, Self
 
 from ...support.formatting import listed
-from . import conditions, filling, motion, population, restart
+from . import conditions, filling, free_fall, motion, population, restart
 from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
 from .description import (
     WALL,
@@ -108,7 +108,7 @@ ELSEWHERE: Final = (*HARMLESS_FIXES, "pour", "deposit", "insert")
 #: What the settings of contacts do not depend on.
 NO_SETTINGS: Final = names("""
 variables folder version code types_seen part ignored invalidates warnings unknown refused stages last granular
-changed_since undefined forks system unclear steps_done regions fixes time_step filling wanted
+changed_since undefined forks system log_name unclear steps_done regions fixes time_step filling wanted
 """)
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
@@ -188,8 +188,10 @@ class State(Reader):
         self.labels: dict[str, int] = {}
         self.population, self.types = Population(), 0
         self.fixes: dict[str, Fix] = {}
+        self.targets: dict[str, str] = {}  #: of servos, from ``fix_modify``
         self.time_step: float | None = None
         self.steps_done, self.atom_style = 0, ""
+        self.log_name = ""
         self.molecules: dict[str, list[tuple[int, Batch]]] = {}
         self.regions: dict[str, tuple[str, ...]] = {}
         self.excluded: dict[tuple[str, str], None] = {}  #: pairs of types that do not meet
@@ -581,6 +583,9 @@ class State(Reader):
         if not set(statement.words[3:4]) <= HARMLESS:
             self.unknown[statement.quote] = None
 
+    def command_log(self, statement: Statement) -> None:
+        self.log_name = statement.words[1] if len(statement.words) > 1 else ""
+
     def command_run_style(self, statement: Statement) -> None:
         if statement.words[1:2] not in (("verlet",), ("verlet/split",)):
             self.unknown[statement.quote] = None
@@ -764,6 +769,9 @@ class State(Reader):
     def command_velocity(self, statement: Statement) -> None:
         filling.read_velocity(self, statement)
 
+    def command_displace_atoms(self, statement: Statement) -> None:
+        self.filling.launches.append(free_fall.UNKNOWN)
+
     def parts_of(self, region: str) -> dict[str, tuple[str, ...]]:
         """A region, or those of which it is a union or an intersection."""
         parts: dict[str, tuple[str, ...]] = {}
@@ -799,6 +807,7 @@ class State(Reader):
 
     def add_molecule(self, statement: Statement, template: str, offset: int) -> None:
         """Grains of a molecule file."""
+        self.filling.launches.append(free_fall.UNKNOWN)
         if template not in self.molecules:
             self.elsewhere(statement)
             return
@@ -827,7 +836,7 @@ class State(Reader):
 
     def elsewhere(self, statement: Statement, reason: str = "") -> None:
         """Grains whose sizes are not in the script."""
-        self.population.elsewhere = True
+        self.population.from_elsewhere()
         self.filling.forget()
         self.quote_with(statement, reason)
 
@@ -906,6 +915,8 @@ class State(Reader):
             if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
                 self.quote_with(statement, f"{word} is not understood")
                 break
+            if word in ("vx", "vy", "vz", "x", "y", "z"):
+                self.filling.launches.append(free_fall.UNKNOWN)
             if word in TYPE_KEYWORDS:
                 self.set_type(statement, chosen, word, values[:count], atoms)
             elif word in SET_KEYWORDS:
@@ -915,6 +926,7 @@ class State(Reader):
                     value = None
                 changes.append(self.changed(word, value))
                 if word in ("diameter", "shape"):
+                    self.resized()
                     radius = None if value is None or word == "shape" else 0.5 * value
                     whole = chosen.whole and atoms is None
                     self.filling.census.change(self.within(chosen), whole, radius)
@@ -925,7 +937,13 @@ class State(Reader):
             chosen.whole,
             lambda batch: reduce(lambda now, change: change(now), changes, batch),
             atoms,
+            chosen.types is None and chosen.whole and atoms is None,
         )
+
+    def resized(self) -> None:
+        """Grains that were inserted at least their diameters apart may overlap with others."""
+        if any(launch.place is None for launch in self.filling.launches):
+            self.filling.launches.append(free_fall.UNKNOWN)
 
     def set_type(
         self, statement: Statement, chosen: Group, word: str, values: Sequence[str], atoms: range | None
@@ -978,8 +996,15 @@ class State(Reader):
             self.quote_with(statement, f"the group {words[2]} is not defined")
         fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
         self.fixes[words[1]] = fix
+        self.targets.pop(words[1], None)
         if not self.own_fix(fix):
             self.other_fix(fix)
+
+    def command_fix_modify(self, statement: Statement) -> None:
+        words = statement.words
+        if words[2:3] in (("servo/target_val",), ("target_val",)) and len(words) == 4:
+            self.targets[words[1]] = words[3]
+            self.changed_since = True
 
     def command_unfix(self, statement: Statement) -> None:
         self.fixes.pop((*statement.words, "")[1], None)
@@ -988,7 +1013,7 @@ class State(Reader):
         """A fix beside contacts and insertions."""
         style, group = fix.style, self.members(fix.group)
         types = None if group.types is None else tuple(str(kind) for kind in sorted(group.types))
-        known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity"))
+        known = style.startswith((*HARMLESS_FIXES, *INTEGRATORS, "freeze", "gravity", "lebc"))
         if style.startswith(CLUMPS):
             self.invalidate(f"clumps ({style})", fix.statement, types)
         elif style.startswith("heat"):
@@ -1003,6 +1028,9 @@ class State(Reader):
             self.unknown[fix.statement.quote] = None
         elif style.startswith("dt/reset"):
             self.ignore("a time step that adapts (dt/reset)", fix.statement)
+        elif style == "remove":
+            self.filling.census.complete = False
+            self.ignore("grains that are removed (remove)", fix.statement, types)
         elif style == "setforce" and set(fix.words[:3]) <= {*ZEROS, "NULL"}:
             self.ignore("forces set to zero (setforce)", fix.statement, types)
         else:

@@ -1,0 +1,51 @@
+"""The area of a mesh in a file of the STL format, ASCII or binary."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Triangles = NDArray[np.float64]  #: (n, 3, 3): corner and axis
+
+LARGEST: Final = 20_000_000  #: bytes of a file
+HEADER: Final = 84  #: bytes before the triangles of a binary file
+BINARY: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+VERTEX: Final = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
+
+
+def read(path: Path) -> Triangles | None:
+    """The triangles of a file as they stand in it; None if it cannot be read."""
+    try:
+        if not path.is_file() or path.stat().st_size > LARGEST:
+            return None
+        content = path.read_bytes()
+        count = int.from_bytes(content[80:HEADER], "little")
+        if count and len(content) == HEADER + count * BINARY.itemsize:
+            corners = np.frombuffer(content, BINARY, count, HEADER)["corners"].astype(float)
+        else:
+            corners = np.array(VERTEX.findall(content)).astype(float).reshape(-1, 3, 3)
+    except (OSError, ValueError):
+        return None
+    return corners if len(corners) and np.isfinite(corners).all() else None
+
+
+def area_across(corners: Triangles, along: int) -> float:
+    """Area of a mesh as seen along an axis: of its triangles that face one way, the larger one of both."""
+    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, along]
+    return float(max(normals[normals > 0.0].sum(), -normals[normals < 0.0].sum()))
+
+
+def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:
+    """Triangles turned about an axis through the origin (Rodrigues)."""
+    unit = np.array(axis) / math.hypot(*axis)
+    angle = math.radians(degrees)
+    across = np.cross(unit, corners)
+    along = (corners @ unit)[..., None] * unit
+    turned: Triangles = corners * math.cos(angle) + across * math.sin(angle) + along * (1.0 - math.cos(angle))
+    return turned
