@@ -105,12 +105,12 @@ struct PlanarMotion {
         length = elastic / (1.0 + slope * slope * (elastic / a.distance));
         speed = a.normal_speed;
         if (a.gravity * length > faint_pull * speed * speed) rescale_under_gravity(of);
-        root = onset_root<p>(length);
-        const double slowness = a.tangential_speed / speed;
-        force_unit = length / speed / speed / a.effective_mass;
-        ratio = length / a.distance;
-        swing = slowness * slowness * ratio;
-        gravity = a.gravity * length / speed / speed;
+        set_units();
+    }
+    // In units of this length and of the normal speed of `a`.
+    PlanarMotion(const Law& of, const Approach& a, double unit)
+        : law(&of), approach(a), length(unit), speed(a.normal_speed) {
+        set_units();
     }
 
     static constexpr double faint_pull = 1e-30;  // in units of V²/L; weaker gravity is neglected
@@ -192,6 +192,14 @@ struct PlanarMotion {
     }
 
 private:
+    void set_units() {
+        root = onset_root<p>(length);
+        const double slowness = approach.tangential_speed / speed;
+        force_unit = length / speed / speed / approach.effective_mass;
+        ratio = length / approach.distance;
+        swing = slowness * slowness * ratio;
+        gravity = approach.gravity * length / speed / speed;
+    }
     // Under its weight, a slow body gets faster and deeper than its impact speed alone would make it.
     void rescale_under_gravity(const Law& of) {
         const double weight = approach.effective_mass * approach.gravity;

@@ -77,7 +77,10 @@ public:
     Tangential reference{1.0, 0.0};  // direction of f for z = 0
 
     TurningMotion(const WithFriction<Normal>& law, const TurningApproach& touch)
-        : units_(law, approach_of(touch)), touch_(touch), friction_(law.friction) {
+        : TurningMotion(law, touch, PlanarMotion<Normal>(law, approach_of(touch))) {}
+    TurningMotion(const WithFriction<Normal>& law, const TurningApproach& touch,
+                  const PlanarMotion<Normal>& units)
+        : units_(units), touch_(touch), friction_(law.friction) {
         const Coefficients normal = law.coefficients();
         const double length = units_.length, speed = units_.speed;
         elastic_ = units_.force_unit * normal.elastic * math::power<elastic_power>(units_.root);
@@ -130,6 +133,19 @@ public:
         y[twist] = dot(touch_.spin, touch_.normal) * spin;
         y[twist] = without_rounding(y[twist], math::sqrt(dot(touch_.spin, touch_.spin)) * spin);
         y[turn] = 1.0;
+    }
+
+    // A state within the contact instead (WithinContact).
+    void start_within(double* y, double compression, double rate_now, bool slide, const Vector3& held) {
+        start(y);
+        y[root_depth] = onset_root<p>(compression / units_.length);
+        y[rate] = rate_now / units_.speed;
+        const Tangential part{dot(held, axes_[0]), dot(held, axes_[1])};
+        slips = slide;
+        if (slips)
+            reference = part;
+        else
+            remember(y, units_.force_unit * part);
     }
 
     // What the equations need at one state.

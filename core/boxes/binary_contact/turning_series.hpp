@@ -68,6 +68,63 @@ public:
         return {.outcome = Outcome::unresolved};
     }
 
+    // For one step from a state within the contact of two bodies. `now`: that state, where the frame starts, but with
+    // the speed of `units` along the normal; `precision` replaces the tolerance.
+    TurningSeries(const WithFriction<Normal>& law, const TurningApproach& now,
+                  const PlanarMotion<Normal>& units, const WithinContact& at, double precision)
+        : Base(law, now, units), precision_(precision), closes_(false) {
+        motion_.start_within(y_, at.compression, at.rate, at.slips, at.memory);
+        set_scales();
+        prepare();
+        steady_ = steady_ || at.frozen;
+        expand();
+    }
+    enum class Event : unsigned char { none, changes, ends };
+    // Length of this step [s], at most `most`, and the event at its end. `fresh`: stick or slip has just begun;
+    // `changes`: whether they may change.
+    struct Bound {
+        double length;
+        Event event;
+    };
+    Bound bound(double most, bool fresh, bool changes) {
+        step_ = math::min(step_, most / motion_.time_unit());
+        fresh_ = fresh, can_slip_ = changes;
+        const Event event = first_event();
+        return {step_ * motion_.time_unit(), event};
+    }
+    // The state after a time [s] within the step. `shift`: of the relative position since its start.
+    struct Within {
+        Vector3 shift, velocity, spin;
+        Vector3 memory;  // as in WithinContact
+    };
+    Within after(double time) {
+        double y[M::dimension] = {};
+        const Tangential kept = motion_.reference;
+        move(time / motion_.time_unit(), y);
+        const Tangential memory =
+            motion_.slips ? motion_.reference
+                          : (1.0 / motion_.units().force_unit) * Tangential{y[M::memory], y[M::memory + 1]};
+        motion_.reference = kept;
+        Vector3 shift = this->shift_of(y);
+        const double compression = motion_.units().length * y_[M::root_depth];
+        for (std::size_t k = 0; k < 3; ++k) shift[k] += compression * motion_.touch().normal[k];
+        return {shift, this->velocity_of(y), this->spin_of(y),
+                motion_.in_space(y, memory.first, memory.second, 0.0)};
+    }
+    // Energies [J] that damping and the tangential force take until that time, and the virial.
+    struct Taken {
+        double damping, rubbed;
+        SymmetricTensor tensor;
+    };
+    Taken until(double time) {
+        const auto& units = motion_.units();
+        const double energy = motion_.touch().effective_mass * units.speed * units.speed;
+        double y[M::dimension] = {};
+        virial_ = {};
+        add_integrals(time / motion_.time_unit(), y);
+        return {energy * y[M::loss], energy * y[M::work], virial_};
+    }
+
     // Largest compression [m], and the symmetric part of ∫ r⊗F dt between two bodies [J s].
     double greatest() const { return motion_.units().length * greatest_; }
     const SymmetricTensor& virial_tensor() const { return virial_; }
@@ -91,11 +148,11 @@ private:
     using Two = Vector<2>::Real;
     using Base::motion_, Base::result_;
     using typename Base::M;
-    enum class Event : unsigned char { none, changes, ends };
     enum class Kind : unsigned char { wall, plane, space };
     static constexpr int length = order + 1;
 
     double y_[M::dimension];
+    double precision_ = tolerance;  // of the last terms of one step
     double begin_ = 0.0, step_ = 0.0, greatest_ = 0.0;
     SymmetricTensor virial_;
     bool fresh_ = false;  // stick or slip has just begun
@@ -105,7 +162,7 @@ private:
     std::optional<SlipClosing> closing_;    // the mean of the direction replaces it until the contact ends
     bool closes_ = true;                    // whether that is tried
     Kind kind_ = Kind::space;
-    double direction_scale_ = 1.0, slide_ = tolerance, twist_scale_ = tolerance;
+    double direction_scale_ = 1.0, slide_ = 0.0, twist_scale_ = 0.0;
     // Series of the components and of what the events need. P, Q: (q1, q2) and (q0, q3) of the frame's quaternion, at a
     // wall P is the path.
     double X_[length], U_[length], twist_[length], N_[length], curve_[length], turning_[length];
@@ -126,8 +183,8 @@ private:
     void set_scales() {
         const auto now = motion_.now(y_);
         const double fast = math::abs(y_[M::twist]) + now.w.length() + now.u.length();
-        slide_ = math::max(tolerance * math::max(1.0, now.g.length()), math::epsilon * fast);
-        twist_scale_ = math::max(slide_, tolerance * math::abs(y_[M::twist]));
+        slide_ = math::max(precision_ * math::max(1.0, now.g.length()), math::epsilon * fast);
+        twist_scale_ = math::max(slide_, precision_ * math::abs(y_[M::twist]));
     }
 
     // The terms of order zero.
@@ -375,7 +432,7 @@ private:
     template <Kind kind, bool slips, bool directed>
     double longest_step() const {
         const double slide = directed ? loose * slide_ : slide_;
-        const double per_slide = 1.0 / slide, per_depth = 1.0 / tolerance;
+        const double per_slide = 1.0 / slide, per_depth = 1.0 / precision_;
         const int last = order - (directed && N_[0] == 0.0);
         double most[2];
         for (int i = 0; i < 2; ++i) {

@@ -34,6 +34,14 @@ struct TurningState {
     bool slips;
 };
 
+// A state within a contact: ξ, dξ/dt, and T [N] while the surfaces stick, the direction of the force while they slip.
+struct WithinContact {
+    double compression, rate;
+    Vector3 memory;
+    bool slips;
+    bool frozen;  // whether this direction keeps still
+};
+
 // What the methods of integration share.
 template <class Normal>
 class TurningStates {
@@ -41,6 +49,9 @@ public:
     using M = TurningMotion<Normal>;
 
     TurningStates(const WithFriction<Normal>& law, const TurningApproach& touch) : motion_(law, touch) {}
+    TurningStates(const WithFriction<Normal>& law, const TurningApproach& touch,
+                  const PlanarMotion<Normal>& units)
+        : motion_(law, touch, units) {}
 
     TurningState state_of(const double* y) const {
         const auto& units = motion_.units();
@@ -49,8 +60,7 @@ public:
         const double unit = 1.0 / units.force_unit, normal = math::max(now.normal, 0.0);
         return {y[M::time] * motion_.time_unit(),
                 shift_of(y),
-                motion_.in_space(y, units.speed * y[M::across], units.speed * y[M::across + 1],
-                                 -units.speed * y[M::rate]),
+                velocity_of(y),
                 spin_of(y),
                 normal_of(y),
                 unit * normal,
@@ -77,6 +87,10 @@ protected:
         for (std::size_t k = 0; k < 3; ++k)
             shift[k] = (motion_.touch().distance - depth) * change[k] - depth * motion_.touch().normal[k];
         return shift;
+    }
+    Vector3 velocity_of(const double* y) const {
+        const double unit = motion_.units().speed;
+        return motion_.in_space(y, unit * y[M::across], unit * y[M::across + 1], -unit * y[M::rate]);
     }
     Vector3 spin_of(const double* y) const {
         const double unit = motion_.units().speed / motion_.touch().arm;

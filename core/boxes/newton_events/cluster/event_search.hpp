@@ -39,7 +39,7 @@ struct EventSearch {
         // Close to the zero the midpoint rule suffices, whose error is third order in the remaining distance. It needs
         // two evaluations instead of twelve.
         const auto move = [&](double x, double next) {
-            if (math::abs(next - x) <= 1e-4 * whole && !in.implicit)
+            if (math::abs(next - x) <= 1e-4 * whole && in.explicit_step())
                 in.nudge(f, next - x);
             else
                 in.probe(f, state, next);
@@ -81,7 +81,7 @@ struct EventSearch {
             return math::abs(next - x) <= math::max(noise, 4.0 * math::epsilon * whole);
         };
         const auto move = [&](double x, double next) {
-            if (math::abs(next - x) <= 1e-5 * whole && !in.implicit)
+            if (math::abs(next - x) <= 1e-5 * whole && in.explicit_step())
                 in.nudge(f, next - x);
             else
                 in.probe(f, state, next);

@@ -5,6 +5,7 @@
 
 #include "../../binary_contact/slip_closing.hpp"
 #include "event_search.hpp"
+#include "turning_step.hpp"
 
 namespace hardlimit::boxes {
 
@@ -138,6 +139,9 @@ struct IntegratedStep {
         if constexpr (FrictionalLaw<Law> && p == 1)
             if (in.implicit || bound < math::infinity)
                 if (const Progress closed = close(until); closed.moved) return closed;
+        if constexpr (FrictionalLaw<Law> && p == 1)
+            if (const int pair = TurningStep<Law>::pair_of(network); pair >= 0)
+                if (const Progress moved = by_series(pair, until, 2.0 * longest); moved.moved) return moved;
         double& next = in.implicit ? in.implicit_length : in.length;
         if (!(next > 0.0)) next = longest;
         double length = math::min(next, bound);
@@ -263,18 +267,43 @@ private:
         };
         replace(mean, true);
         closes = pair;
-        in.advance(f, state, length);
-        set_tolerances(state.at(network), scales, length, tolerance, 0.0, in.tolerance);
         Progress done{};
-        if (in.error(state, length) <= 1.0) done = end_step(math::infinity, length, false);
+        if (TurningStep<Law>::pair_of(network) == pair) {
+            done = by_series(pair, math::infinity, length);
+        } else {
+            in.advance(f, state, length);
+            set_tolerances(state.at(network), scales, length, tolerance, 0.0, in.tolerance);
+            if (in.error(state, length) <= 1.0) done = end_step(math::infinity, length, false);
+        }
         closes = -1;
         if (done.moved) return done;
         replace(direction, false);
         in.implicit = implicit;
         return done;
     }
+    // A step by power series, if they converge in more than a very short one. `pair`: the only one in contact.
+    Progress by_series(int pair, double until, double longest)
+        requires FrictionalLaw<Law>
+    {
+        constexpr double least = 5e-4;  // of the longest
+        Integrator& in = integrator;
+        if (!(SurfacePair<Law>(state.at(network), pair).force > 0.0)) return {};
+        TurningStep<Law> step(network, state, pair, 0.01 * tolerance);
+        PairEvent event{};
+        const double left = until - state.time();
+        const double length = step.bound(math::min(longest, left), event);
+        if (!(length > least * longest)) return {};
+        const bool implicit = std::exchange(in.implicit, false);
+        in.series = &step;
+        in.advance(f, state, length);
+        const Progress done = end_step(until, length, length == left && !event, event);
+        in.series = nullptr;
+        in.implicit = implicit;
+        return done;
+    }
     // Takes the step up to the first event or to `until`. Does nothing if a part of the step does not converge.
-    Progress end_step(double until, double length, bool last) {
+    // `event`: of the pair of a series, at the end of the step.
+    Progress end_step(double until, double length, bool last, PairEvent event = {}) {
         Integrator& in = integrator;
         const auto end = [&] { return in.end[state.layout.time()]; };
         f(in.end.data(), in.end_slope.data());
@@ -283,14 +312,14 @@ private:
             last = true;
         };
         if (end() > until) end_at_time();
-        PairEvent event{};
         EventSearch<Law> search{network, state, in, scales.speed};
         for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
             for (const ContactEvent kind : next_events(network.pairs[q]))
-                if (kind != ContactEvent::none && search.locate(q, kind, length))
+                if (kind != ContactEvent::none && !(in.series && kind == ContactEvent::ends) &&
+                    search.locate(q, kind, length))
                     event = {kind, q}, last = false;
         if constexpr (FrictionalLaw<Law>)
-            for (int q = 0; q < static_cast<int>(network.pairs.size()); ++q)
+            for (int q = 0; q < static_cast<int>(network.pairs.size()) && !in.series; ++q)
                 for (const ContactEvent kind : next_surface_events(network.pairs[q]))
                     if (kind != ContactEvent::none && search.locate_in_surfaces(q, kind, length))
                         event = {kind, q}, last = false;
@@ -306,6 +335,7 @@ private:
                 network.pairs[q].fresh = search.still_fresh(q);
         if constexpr (FrictionalLaw<Law>) refresh_surfaces(search, event);
         record_compressions(length);
+        if (in.series) in.series->add_sums(in.end[state.layout.time()] - state.time(), in.end.data());
         in.accept(state);
         if constexpr (FrictionalLaw<Law>) renew_directions();
         if (last) state.time() = until;

@@ -5,6 +5,15 @@
 
 namespace hardlimit::boxes {
 
+// States within a step, if they are known without integration.
+struct StepSeries {
+    virtual void move(double t, double* y) = 0;  // y becomes the state a time t after the start, except sums
+    virtual void add_sums(double t, double* y) = 0;  // adds what happens until then to the sums
+
+protected:
+    ~StepSeries() = default;
+};
+
 // A step from a state y: the slope there, the end of the step, and a trial state within it. A slope is a derivative
 // d/dτ, computed by f(y, slope).
 class Integrator {
@@ -13,8 +22,11 @@ public:
     bool implicit = false;         // whether the step is one of SlipStep; with friction only
     bool converged = true;         // whether all implicit steps since this was set did
     double implicit_length = 0.0;  // of the next such step; 0: unknown
+    StepSeries* series = nullptr;  // of the step, instead; with friction only
     WorkVector<double> slope, end, end_slope, trial, trial_slope, tolerance;
     WorkVector<double> near, near_slope;  // close to one of these states, for differences
+
+    bool explicit_step() const { return !implicit && !series; }
 
     // For a state that has changed since the last step; restart() also forgets the length of the step.
     void forget() { known_ = false; }
@@ -78,13 +90,15 @@ public:
 private:
     template <class F>
     HL_FN_APART void advance(const F& f, const StateVector& state, double step, WorkVector<double>& out) {
-        if constexpr (FrictionalLaw<typename F::Law>)
+        if constexpr (FrictionalLaw<typename F::Law>) {
+            if (series) return series->move(step, out.data());
             if (implicit) {
                 error_ = SlipStep<typename F::Law>(f, tolerance.data(), slip_)
                              .take(state.y.data(), step, out.data());
                 converged = converged && error_ < math::infinity;
                 return;
             }
+        }
         std::copy(slope.begin(), slope.end(), stages_.begin());
         const StateLayout& at = state.layout;
         DormandPrince::step(f, state.y.data(), step, at.size(), stages_.data(), out.data(), at.virial());
