@@ -7,9 +7,10 @@ numbers; copies of the same text count once. A script whose contacts are those o
 with springs (polyhedra, grids, bonds, smoothed particles) is listed apart as "other", whether or not it is answered.
 
 number: κ_p of grains at rest, pressed or flowing, Γ of shaken ones, t_c ν of a gas, ε, duration and overlap of one or
-two grains. border: instead of it, up to which pressure grains are rigid and κ_p below 100 layers, or t_c ν of a gas at
-a supposed packing fraction or speed. step: the longest stable time step. any: one of the three. The reasons for a
-missing number and the statements that are not understood are listed by how often they occur.
+two grains, or of grains that meet walls only. border: instead of it, up to which pressure grains are rigid and κ_p
+below 100 layers, or t_c ν of a gas at a supposed packing fraction or speed. step: the longest stable time step. any:
+one of the three. The reasons for a missing number and the statements that are not understood are listed by how often
+they occur.
 """
 
 import argparse
@@ -56,7 +57,7 @@ def surveyed(path: Path) -> dict[str, Any] | None:
     state = verdict.state
     own = {"shaken": state.shaking, "gas": max((row.tc_nu or 0.0 for row in verdict.rows), default=0.0)}
     known = {
-        "number": bool(own.get(state.name) or state.stiffness_number or state.grains),
+        "number": bool(own.get(state.name) or state.stiffness_number or state.grains is not None),
         "border": state.pressure_for_rigid is not None or state.supposed_tc_nu is not None,
         "step": state.largest_stable_step is not None,
     }
