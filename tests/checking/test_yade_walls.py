@@ -300,6 +300,17 @@ def test_walls_that_move_across_gravity_leave_a_bed_its_weight(engine, end, heig
         assert said.stiffness_number > 0.0 and said.pressure_is_bound
 
 
+def test_a_cylinder_that_turns_about_its_axis_is_as_wide_as_it_is():
+    drum = "O.bodies.append(geom.facetCylinder((0, 0, 0), 0.04, 0.02))\n"
+    cloud = CLOUD.format((-0.02, -0.02, -0.009), (0.02, 0.02, 0.009), 1e-3, "")
+    for axis, height in {"(0, 0, 1)": 0.08, "(1, 0, 0)": math.hypot(0.08, 0.02)}.items():
+        engine = f"\n    RotationEngine(rotationAxis={axis}, angularVelocity=1, ids=[0]),"
+        for more in ("", "O.bodies.append(geom.facetBox((0, 0, 0), (0.01, 0.01, 0.01)))\n"):
+            said = held(drum + cloud + more, gravity=(0, -9.81, 0), engine=engine)
+            wide = 0.08 * math.sqrt(2) if more and axis == "(0, 0, 1)" else height
+            assert said.pressure == pytest.approx(0.59 * HEIGHT * wide)
+
+
 def test_the_number_of_grains_over_their_floor_is_not_used_where_walls_move():
     engine = "\n    TranslationEngine(translationAxis=(1, 0, 0), velocity=0.1, ids=[0]),"
     assert "from the floor" in held(FILLED, engine=engine).pressure_from

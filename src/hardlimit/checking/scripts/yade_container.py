@@ -137,6 +137,13 @@ class Container:
             return None
         low, high = union([*walls, self.around])
         along = [part / math.hypot(*axis) for part in axis]
+        round_walls = [cylinder.ends for cylinder in self.cylinders]
+        if (
+            all(wall in round_walls for wall in walls)
+            and (low, high) in round_walls
+            and abs(along[2]) > ALONG
+        ):
+            return high[0] - low[0]
         squares = [(b - a) ** 2 * (1.0 - t * t) for a, b, t in zip(low, high, along, strict=True)]
         return math.sqrt(math.fsum(squares)) if math.isfinite(math.fsum(squares)) else None
 
