@@ -168,7 +168,8 @@ def mesh(points):
     ("stl('{}.stl', scale=0.01)", -0.01),
     ("stl('{}.stl', scale=0.01, shift=(0, 0, -0.02))", -0.03),
     ("gmsh('{}.mesh', scale=0.01)", -0.01),
-    ("gmsh('{}.mesh', scale=0.01, orientation=Quaternion((1, 0, 0), 0.3))", -0.01 * math.sqrt(29)),
+    ("gmsh('{}.mesh', scale=0.01, orientation=Quaternion((1, 0, 0), 0.3))", -0.01 * math.cos(0.3)),
+    ("gmsh('{}.mesh', scale=0.01, orientation=aslant)", -0.01 * math.sqrt(4**2 + 2**2 + 3**2)),
 ])  # fmt: skip
 def test_meshes_beside_the_script_say_where_walls_end(tmp_path, call, bottom):
     triangles = [CORNERS[:3], CORNERS[1:]]
@@ -210,11 +211,15 @@ IN_AIR = CLOUD.format((0, 0, 0.01), (0.02, 0.02, 0.09), 1e-3, "")
     ("geom.facetCone((0, 0, 0.03), 0.05, 0.02, 0.08)", -0.01),
     ("geom.facetBunker((0, 0, -0.05), dBunker=0.1, dOutput=0.02, hBunker=0.1, hOutput=0.03, hPipe=0.02)", -0.05),
     ("geom.facetCylinder((0, 0, 0.03), 0.03, 0.08, orientation=Quaternion((1, 0, 0), 0.5))",
-     0.03 - math.hypot(0.03, 0.03, 0.04)),
-    ("geom.facetBox((0, 0, 0), (0.03, 0.04, 0), orientation=Quaternion((1, 0, 0), 0.5))", -0.05),
+     0.03 - 0.03 * math.sin(0.5) - 0.04 * math.cos(0.5)),
+    ("geom.facetCylinder((0, 0, 0.03), 0.03, 0.08, orientation=aslant)", 0.03 - math.hypot(0.03, 0.03, 0.04)),
+    ("geom.facetBox((0, 0, 0), (0.03, 0.04, 0), orientation=Quaternion(0.5, (1, 0, 0)))", -0.04 * math.sin(0.5)),
+    ("geom.facetBox((0, 0, 0), (0.03, 0.04, 0), orientation=Quaternion((2, 0, 0), 0.5))",
+     -0.04 * math.sin(2 * math.atan(2 * math.tan(0.25)))),
+    ("geom.facetBox((0, 0, 0), (0.03, 0.04, 0), orientation=aslant)", -0.05),
 ])  # fmt: skip
 def test_facets_of_functions_end_where_they_may_reach(facets, bottom):
-    """Turned ones in the ball around their box."""
+    """Those turned in an unknown way in the ball around their box. As in YADE 2023.02a, also with an axis of length 2."""
     said = state(f"O.bodies.append({facets})\n{IN_AIR}")
     assert said.pressure == pytest.approx(0.59 * HEIGHT * (0.09 - bottom))
 

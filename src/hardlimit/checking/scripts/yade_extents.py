@@ -232,9 +232,12 @@ def ends_of_facets(instance: Instance, folder: Path | None) -> Ends | None:
     bottom = 0.0
     if name in ("facetBox", "facetParallelepiped", "box"):
         half = vector(instance.argument(1, "extents"))
-        ends = None if half is None or centre is None else box_around(centre, half)
-        turned = ends is not None and (name == "facetParallelepiped" or is_turned(instance))
-        return around_ball(ends) if ends is not None and turned else ends
+        ends, turn = box_around((0.0,) * 3, half), turn_of(instance)
+        if ends is None or centre is None:
+            return None
+        if turn is None or name == "facetParallelepiped":
+            return shifted(around_ball(ends), centre)
+        return shifted(ends_of_rows(np.array([*product(*zip(*ends, strict=True))]) @ turn.T), centre)
     if name == "facetSphere":
         radius = number(1, "radius")
         height, bottom = 2.0 * radius, -radius
@@ -249,15 +252,37 @@ def ends_of_facets(instance: Instance, folder: Path | None) -> Ends | None:
         height = number(3, "hBunker") + number(4, "hOutput") + number(5, "hPipe", 0.0)
     if centre is None or not abs(radius) + abs(height) < LARGEST:
         return None
-    box = (-radius, -radius, bottom), (radius, radius, bottom + height)
-    return shifted(around_ball(box, (0.0,) * 3) if is_turned(instance) else box, centre)
+    turn = turn_of(instance)
+    if turn is None:
+        box = (-radius, -radius, bottom), (radius, radius, bottom + height)
+        return shifted(around_ball(box, (0.0,) * 3), centre)
+    wide = radius * np.sqrt(np.maximum(1.0 - turn[:, 2] ** 2, 0.0))  # of a disk across the turned axis z
+    rims = [turn[:, 2] * z + sign * wide for z in (bottom, bottom + height) for sign in (-1.0, 1.0)]
+    return shifted(ends_of_rows(np.array(rims)), centre)
 
 
-def is_turned(instance: Instance) -> bool:
-    """Whether facets may be turned."""
-    return "orientation" in instance.attributes or any(
-        isinstance(each, Instance | Unknown) for each in instance.arguments[2:]
-    )
+def turn_of(instance: Instance) -> np.ndarray | None:
+    """The matrix of ``orientation=Quaternion(axis, angle)``, also of its arguments in turn; None if it is not known."""
+    turned = instance.attributes.get("orientation")
+    if turned is None:
+        placed = [each for each in instance.arguments[2:] if isinstance(each, Instance | Unknown)]
+        return None if placed else np.eye(3)
+    arguments = turned.arguments if isinstance(turned, Instance) and turned.name == "Quaternion" else ()
+    axes, angles = [vector(each) for each in arguments], [each for each in arguments if is_number(each)]
+    axis = next((np.array(each) for each in axes if each is not None and any(each)), None)
+    if len(arguments) != 2 or axis is None or len(angles) != 1:
+        return None
+    length = float(np.linalg.norm(axis))
+    x, y, z = axis / length
+    # YADE makes a quaternion of unit length from (cos α/2, axis sin α/2), whatever the length of the axis.
+    angle = 2.0 * math.atan2(length * math.sin(0.5 * angles[0]), math.cos(0.5 * angles[0]))
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
+
+
+def ends_of_rows(points: np.ndarray) -> Ends:
+    """The ends of points in rows."""
+    return tuple(map(float, points.min(axis=0))), tuple(map(float, points.max(axis=0)))
 
 
 def ends_of_mesh(instance: Instance, folder: Path | None) -> Ends | None:
@@ -273,9 +298,10 @@ def ends_of_mesh(instance: Instance, folder: Path | None) -> Ends | None:
     points = vertices(folder / name, instance.name)
     if points is None or not len(points) or not np.isfinite(points).all():
         return None
-    low, high = (tuple(map(float, scale * end)) for end in (points.min(axis=0), points.max(axis=0)))
-    ends = tuple(map(min, low, high)), tuple(map(max, low, high))
-    return shifted(around_ball(ends, (0.0,) * 3) if is_turned(instance) else ends, by)
+    turn = turn_of(instance)
+    if turn is None:
+        return shifted(around_ball(ends_of_rows(scale * points), (0.0,) * 3), by)
+    return shifted(ends_of_rows(scale * points @ turn.T), by)
 
 
 def vertices(path: Path, kind: str) -> np.ndarray | None:
