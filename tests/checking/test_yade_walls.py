@@ -219,7 +219,7 @@ IN_AIR = CLOUD.format((0, 0, 0.01), (0.02, 0.02, 0.09), 1e-3, "")
     ("geom.facetBox((0, 0, 0), (0.03, 0.04, 0), orientation=aslant)", -0.05),
 ])  # fmt: skip
 def test_facets_of_functions_end_where_they_may_reach(facets, bottom):
-    """Those turned in an unknown way in the ball around their box. As in YADE 2023.02a, also with an axis of length 2."""
+    """Those turned in an unknown way in the ball around their box. As in YADE 2023.02a, an axis may have any length."""
     said = state(f"O.bodies.append({facets})\n{IN_AIR}")
     assert said.pressure == pytest.approx(0.59 * HEIGHT * (0.09 - bottom))
 
