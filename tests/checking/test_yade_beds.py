@@ -147,6 +147,7 @@ CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
     (FILLED.replace("(0.01, 0.01, 0.05), w", "(0.01, float(input()), 0.05), w"), "", ""),
     (FILLED.replace("wallMask=31", "wallMask=15") + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),
     (FILLED + "O.bodies.append(ymport.text('spheres.txt'))\n", "", ""),
+    (FILLED + "O.bodies.append(box((0.01, 0.01, 0.08), (0.002, 0.002, 0.002)))\n", "", ""),
     (FILLED, "\n    ForceEngine(ids=[7], force=(0, 0, -1)),", ""),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 3)])\n", "", ""),
 ])  # fmt: skip

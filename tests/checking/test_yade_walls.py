@@ -289,6 +289,7 @@ ADDED = "what moving walls add"
     ("RotationEngine(rotationAxis=(0, 0, 1), angularVelocity=1, ids=[0])", "", 0.09),
     ("RotationEngine(rotationAxis=(1, 0, 0), angularVelocity=1, ids=[0])", "", math.hypot(0.02, 0.1)),
     ("RotationEngine(rotationAxis=(0, 1, 1), angularVelocity=1, ids=[0])", "", math.sqrt(0.02**2 * 1.5 + 0.1**2 / 2)),
+    ("HarmonicMotionEngine(A=(0, 0, 1e-3), f=(0, 0, 10), ids=[0])", "", 0.09),
     ("", "O.bodies[0].state.vel = (0.1, 0, 0)", 0.09),
     ("", "O.bodies[0].state.vel = (0.1, 0, 0.1)", None),
     ("", "O.bodies[0].state.angVel = (0.1, 0, 0)", None),

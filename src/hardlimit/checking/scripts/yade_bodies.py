@@ -176,6 +176,7 @@ class BodyCalls:
         body.frozen |= instance.name != "box"
         obstacle(self.scene.filling, instance)
         self.scene.filling.container.add(instance, ends_of_facets(instance, self.folder))
+        self.scene.filling.container.known &= body.frozen  # a box that moves may lie on the grains
         if instance.name == "box":
             half = instance.argument(1, "extents")
             if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):

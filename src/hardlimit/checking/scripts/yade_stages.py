@@ -130,7 +130,7 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     if None in across or len(across) > 1:
         return contents
     moving = any(velocity is not None and any(velocity) for velocity in scene.filling.container.moves)
-    moving = moving or bool(turning) or any(scene.used("TranslationEngine"))
+    moving = moving or any(scene.used(name) for name in ACROSS)
     return scene.filling.bed(contents, stage.down, made, next(iter(across), None), moving)
 
 
