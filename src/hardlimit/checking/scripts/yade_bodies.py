@@ -115,7 +115,8 @@ class BodyCalls:
             bodies = [body for body in elements if isinstance(body, Body)]
             spheres = [body for body in bodies if body.kind == "sphere"]
             scene.bodies += bodies
-            scene.filling.census.lots += [body.lot for body in spheres if not body.frozen]
+            scene.filling.census.lots += [body.lot for body in spheres]
+            scene.filling.fixed += [body.lot for body in spheres if body.frozen]
             scene.filling.container.spheres += [body.ends for body in spheres if not body.frozen]
             scene.filling.container.fix([body.ends for body in spheres if body.frozen])
             if clumped and isinstance(part, Instance):

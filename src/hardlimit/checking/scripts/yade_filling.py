@@ -36,6 +36,7 @@ class YadeFilling:
     """The cell, the spheres that are made, where they are and how they move."""
 
     census: census.Census = field(default_factory=census.Census)
+    fixed: list[Lot] = field(default_factory=list)  #: those of the census that do not move
     cell: tuple[float, ...] | None = None  #: edges of the periodic cell
     periodic: bool = False
     #: Where centres of spheres are made, and their radius; of a cloud, its corners and 0.
@@ -52,6 +53,16 @@ class YadeFilling:
         speeds = [*falls(self, stage), *(relative(self) if self.known else ())]
         lots = self.census.known
         return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds), lots=lots)
+
+    def without_fixed(self, contents: Contents) -> Contents:
+        """A bed without the spheres that do not move, of which a few others are no bed."""
+        lots = list(self.census.lots)
+        for lot in self.fixed:
+            lots.remove(lot)
+        moving = replace(self.census, lots=lots)
+        if not self.fixed or contents.count is None or moving.count is None or moving.count < PILE:
+            return contents
+        return replace(contents, count=moving.count, filled=moving.filled(3), lots=moving.known)
 
     def bed(
         self,
@@ -74,6 +85,7 @@ class YadeFilling:
         height = container.height(down, cell) if turning is None else container.turned(turning)
         if height is None or (cell is not None and floor is None and not container.based(down, cell)):
             return contents
+        contents = self.without_fixed(contents)
         source = "from the floor to where spheres are made"
         if turning is not None:
             source = "across the circle in which walls turn"
