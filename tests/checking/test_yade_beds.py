@@ -118,6 +118,7 @@ def test_a_periodic_cell_has_the_weight_on_its_floor_alone(cell):
     (BOX + IN_BOX.format("").replace("sp.toSimulation()", "for c, r in sp:\n    O.bodies.append(sphere(c, r))"), 0.09),
     (BOX + "O.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", 0.07),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k * 1e-2), 2e-3) for k in range(1, 13)])\n", 0.048),
+    ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 4)])\n", 0.012),
 ])  # fmt: skip
 def test_no_bed_is_higher_than_where_its_grains_are_made(bodies, height):
     """Nor than all of them in one stack."""
@@ -143,16 +144,15 @@ CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
     (FILLED, "\n    PyRunner(command='O.bodies[3].state.pos = (0, 0, 0)', iterPeriod=10),", ""),
     (FILLED + "top = O.bodies.append(wall(0.095, 2))\n", "", "O.bodies[top].state.vel = (0, 0, -0.1)"),
     (FILLED, "", "O.forces.addF(3, (0, 0, -10), permanent=True)"),
-    (FILLED.replace("wallMask=31", "wallMask=31, orientation=Quaternion((1, 0, 0), 0.3)"), "", ""),
     (FILLED.replace("(0.01, 0.01, 0.05), w", "(0.01, float(input()), 0.05), w"), "", ""),
-    (FILLED + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),
+    (FILLED.replace("wallMask=31", "wallMask=15") + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),
     (FILLED + "O.bodies.append(ymport.text('spheres.txt'))\n", "", ""),
-    (BOX + "O.bodies.append(pack.regularHexa(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", "", ""),
-    (FILLED, "\n    HydroForceEngine(ids=[7]),", ""),
-    ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 9)])\n", "", ""),
+    (FILLED + "O.bodies.append(box((0.01, 0.01, 0.08), (0.002, 0.002, 0.002)))\n", "", ""),
+    (FILLED, "\n    ForceEngine(ids=[7], force=(0, 0, -1)),", ""),
+    ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 3)])\n", "", ""),
 ])  # fmt: skip
 def test_there_is_no_pressure_where_something_is_not_known(bodies, engine, end):
-    """Callbacks that add or move bodies, walls that move, forces, a turned box, files; dense packings."""
+    """Callbacks that add or move bodies, walls that press, forces, files that are not there; two grains."""
     assert state(FILLED).pressure is not None
     assert state(bodies, engine=engine, end=end).pressure is None
 

@@ -64,7 +64,7 @@ class Question:
     purpose: Drive | None = None  #: what the box is run for, if not to cool
     heats_spins: bool = False  #: whether a thermostat acts on spins, too
     may_be_dense: bool = False  #: whether it is a shear flow whose pressure is not known
-    given: str = ""  #: the option that states what drives it, which excludes a speed
+    drive_option: str = ""  #: the one that states what drives it, which excludes a speed
     never_meet: bool = False  #: whether no grain meets another or a wall
 
 
@@ -214,7 +214,7 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
         are = "is" if list(missing) == ["packing"] else "are"
         pressure = "; --pressure gives the inertial number" * question.may_be_dense
         return (
-            f"{listed(missing)} {are} not known{given_by(missing, question.dumped, question.given)}{pressure}"
+            f"{listed(missing)} {are} not known{given_by(missing, question.dumped, question.drive_option)}{pressure}"
         )
     if question.quantity == "cooling":
         return "the error is not known for so dense a packing"
@@ -238,13 +238,13 @@ def steady(rows: Sequence[CheckedContact], drive: Drive | None, plain: bool) -> 
     return f"{text} ({' '.join(theory)})." if theory else f"{text}."
 
 
-def given_by(missing: Sequence[str], dumped: bool, given: str = "") -> str:
-    """Which options give what is missing, a speed in place of the one that is ``given``."""
+def given_by(missing: Sequence[str], dumped: bool, drive_option: str = "") -> str:
+    """Which options give what is missing, a speed in place of ``drive_option``."""
     options = [OPTIONS[what] for what in missing if what in OPTIONS]
     if not options:
         return " (they are not in the script)"
-    if given and "speeds" in missing:
-        return f" (no steady state is known; give {listed(options)} instead of {given})"
+    if drive_option and "speeds" in missing:
+        return f" (no steady state is known; give {listed(options)} instead of {drive_option})"
     return (
         f" (not in the dump; give {listed(options)})" if dumped else f" (give --dump, or {listed(options)})"
     )

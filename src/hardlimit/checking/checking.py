@@ -444,7 +444,7 @@ def _system(
     purpose = options.drive or drive.of_stage(last, *scales)
     measured = options.speeds or any(state.temperature for state in states)
     supply = options.drive if measured else purpose
-    given = "" if options.drive is None else options.drive.option
+    drive_option = "" if options.drive is None else options.drive.option
     driven, purpose = (source and source.in_units(*scales) for source in (supply, purpose))
     options = replace(
         options,
@@ -474,7 +474,7 @@ def _system(
         drive.words_of(last, support),
         option,
         heats_spins=heats_spins,
-        given=given,
+        drive_option=drive_option,
     )
     return System(
         last=last,
@@ -1136,7 +1136,7 @@ def _of_law(
     supposed = question is None  # a ball, and a wall that need not be there
     if question is None:
         source = options.drive
-        question = answer.Question(source.quantity, given=source.option) if source else answer.Question()
+        question = answer.Question(source.quantity, drive_option=source.option) if source else answer.Question()
     contacts = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}

@@ -12,7 +12,7 @@ import numpy as np
 from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
-from ..support.formatting import digits, length
+from ..support.formatting import digits, length, listed
 from . import dumps, flows, mixture
 from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
 from .contacts import Body, Case
@@ -132,8 +132,9 @@ def load_of(
         speed_unit=around.speed_unit,
     )
     load = replace(load, **_pressure(stage, options, around, under_pressure))
-    if load.weight and around.fluid:
-        load = replace(load, origin=f"{load.origin}, without the fluid")
+    beside = ["the fluid"] * around.fluid + [stage.contents.without] * bool(stage.contents.without)
+    if load.weight and beside:
+        load = replace(load, origin=f"{load.origin}, without {listed(beside)}")
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
@@ -199,6 +200,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if height is None or density is None:
         return {}
     bound = options.height is None
+    phi = max(phi, contents.packed) if bound and not _height(stage) else phi
     grains = f"{around.length(height)} of grains at φ = {digits(phi, 2)}"
     origin = f"a box of {grains}" if bound else f"below {grains}"
     if bound and contents.height is not None:

@@ -101,6 +101,8 @@ class Contents:
     walled: bool = False  #: whether side walls or grains that do not move may carry a part of the weight
     height: float | None = None  #: that no bed of these grains exceeds
     height_from: str = ""  #: where this comes from, in words
+    packed: float = 0.0  #: packing fraction of the grains when they are made, if it may exceed that of a bed
+    without: str = ""  #: what else may press them, in words
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
     never_meet: bool = False  #: whether no grain meets another or a wall
 

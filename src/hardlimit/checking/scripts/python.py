@@ -54,7 +54,7 @@ sqrt exp log log10 log2 sin cos tan asin acos atan atan2 sinh cosh tanh radians 
 FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     **{name: getattr(math, name) for name in MATH.split()},
     "linspace": lambda first, last, n=50: Vector(
-        first + (last - first) * k / max(n - 1, 1) for k in range(min(n, MAX_ITEMS))
+        first + (last - first) * k / max(int(n) - 1, 1) for k in range(min(int(n), MAX_ITEMS))
     ),
     "arange": lambda *ends: Vector(spaced(*((0, *ends) if len(ends) == 1 else ends))),
     "array": lambda values: Vector(values),
@@ -478,8 +478,13 @@ class Evaluator:
         return -value if isinstance(sign, ast.USub) else +value
 
     def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
-        if isinstance(left, Instance | list) and isinstance(right, Instance) and isinstance(sign, ast.Add):
-            return [*flat([left]), right]  # such as engines of motion
+        several = [isinstance(operand, Instance | list) for operand in (left, right)]
+        if (
+            all(several)
+            and isinstance(sign, ast.Add)
+            and not (isinstance(left, list) and isinstance(right, list))
+        ):
+            return flat([left, right])  # such as engines of motion, or facets and spheres
         if isinstance(left, Unknown | Instance) or isinstance(right, Unknown | Instance):
             return Unknown(self.source(node))
         if isinstance(sign, ast.Pow):
@@ -611,7 +616,13 @@ class Evaluator:
         arithmetic = owner is None or (isinstance(owner, str) and owner in self.modules)
         if name in ("Vector3", "Vector2", "Vector6") and len(arguments) > 1:
             return Vector(arguments)
-        if name == "range" and arithmetic and all(isinstance(argument, int) for argument in arguments):
+        if name == "Vector3" and len(arguments) == 1 and isinstance(arguments[0], list | tuple):
+            return Vector(arguments[0])
+        if (
+            name in ("range", "xrange")
+            and arithmetic
+            and all(isinstance(argument, int) for argument in arguments)
+        ):
             return range(*arguments)
         if name in LISTS and owner is None and not keywords and name not in self.names:
             short = all(
@@ -624,6 +635,15 @@ class Evaluator:
         if isinstance(owner, dict) and name in ("items", "keys", "values", "get"):
             result = getattr(owner, name)(*arguments)
             return result if name == "get" else list(result)
+        if name == "linspace" and arithmetic and keywords.keys() <= {"num", "endpoint"}:
+            arguments, keywords = (
+                [*arguments, *[keywords[key] for key in ("num",) if key in keywords]],
+                {
+                    key: value
+                    for key, value in keywords.items()
+                    if key == "endpoint" and value not in (True, 1)
+                },
+            )
         if name in FUNCTIONS and arithmetic and not keywords and name not in self.names:
             kinds = (Unknown, Instance) if name in OF_TEXTS else (Unknown, Instance, str)
             unknown = any(isinstance(argument, kinds) for argument in flat(arguments))

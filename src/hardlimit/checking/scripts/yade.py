@@ -12,12 +12,13 @@ from typing import Any, Final
 
 from .description import Description, Note, Quote
 from .formulas import NUMBER
-from .python import Evaluator, Instance, Unknown, flat
+from .python import Evaluator, Instance, Unknown, Vector, flat
 from .reader import names
 from .yade_bodies import BodyCalls, body_of, spheres_of
 from .yade_callbacks import CHANGING, FORCE_METHODS, HIDDEN, OF_CONTACTS, PLACED, touches
 from .yade_contacts import SHAPE_NAMES
 from .yade_container import vector
+from .yade_extents import computed, draw, ends_of_space, is_space, moved
 from .yade_filling import volume_of
 from .yade_scene import MATERIALS, Body, Scene
 from .yade_stages import DEFAULT_TIME_STEP, add_stage, description
@@ -139,6 +140,11 @@ class Yade(Evaluator):
             return None if None in known or len(known) < number else known
         return super().items(node)
 
+    def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
+        """An operation, also of numbers drawn at random, centres of spheres, and predicates."""
+        value = computed(left, sign, right, self.source(node))
+        return super().binary(left, sign, right, node) if value is None else value
+
     def compared(self, node: ast.Compare, values: list[Any]) -> Any:
         """A comparison with a value that is not known. A feature that a script asks for is taken to be there."""
         if len(values) == 2 and isinstance(values[1], Unknown) and values[1].text.endswith("features"):
@@ -187,7 +193,7 @@ class Yade(Evaluator):
         if name == "vel":
             self.velocity_assigned(body, value)
         if name in PLACED and (name == "pos" or body is None or body.kind != "sphere"):
-            scene.filling.container.known = False
+            self.wall_moved(name, value)
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell":
@@ -203,6 +209,14 @@ class Yade(Evaluator):
         elif name in CHANGING:
             self.not_understood(node, name)
         super().assigned(owner, name, value, node)
+
+    def wall_moved(self, name: str, value: Any) -> None:
+        """The place or the velocity of a wall, or of an unknown body."""
+        container = self.scene.filling.container
+        if name == "vel":
+            container.moves.append(vector(value))
+        else:
+            container.known = False
 
     def velocity_assigned(self, body: Body | None, value: Any) -> None:
         """The velocity of a body, or of an unknown one."""
@@ -297,9 +311,27 @@ class Yade(Evaluator):
             return instance
         if name == "Omega":
             return SCENE
+        if isinstance(owner, Instance) and (is_space(owner) or owner.name == "sweptPolylines2gtsSurface"):
+            return self.space_method(name, owner, instance)
+        if (number := draw(name, owner, instance)) is not None:
+            return number
         if self.body_calls.function(name, owner, instance):
             return instance
         return self.function(name, owner, instance)
+
+    def space_method(self, name: str, space: Instance, instance: Instance) -> Any:
+        """A method of a predicate or a surface."""
+        moved(space, name, instance)
+        ends = ends_of_space(space)
+        if name == "is_closed":
+            return True
+        if ends is not None and name == "aabb":
+            return Vector(ends[0]), Vector(ends[1])
+        if ends is not None and name in ("dim", "center"):
+            share = 1.0 if name == "dim" else 0.5
+            sign = -1.0 if name == "dim" else 1.0
+            return Vector(share * (high + sign * low) for low, high in zip(*ends, strict=True))
+        return instance
 
     def function(self, name: str, owner: Any, instance: Instance) -> Any:
         """A function that makes no bodies."""
@@ -323,6 +355,12 @@ class Yade(Evaluator):
         if name == "isinstance" and len(arguments) == 2 and (body := body_of(arguments[0])) is not None:
             kind = arguments[1].text.rpartition(".")[2] if isinstance(arguments[1], Unknown) else ""
             return SHAPE_NAMES.get(body.kind) == kind
+        if name == "revolutionSurfaceMeridians" and len(arguments) == 2 and not instance.attributes:
+            sections, angles = arguments
+            return [
+                [(x * math.cos(angle), x * math.sin(angle), y) for x, y in section]
+                for section, angle in zip(sections, angles, strict=True)
+            ]
         if name == "runningInBatch":
             return False
         root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""

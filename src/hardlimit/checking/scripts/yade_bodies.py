@@ -15,7 +15,19 @@ from .reader import names
 from .statements import refusal
 from .yade_container import Ends, vector
 from .yade_container import union as around
-from .yade_filling import TEXTS, cloud, ends_of, lot_of, mean_radius, obstacle, radii_in, uniform
+from .yade_extents import Centre, Drawn, around_ball, ends_of_facets, shifted, span
+from .yade_filling import (
+    DENSITIES,
+    TEXTS,
+    cloud,
+    ends_of,
+    lot_of,
+    mean_radius,
+    obstacle,
+    packed,
+    spheres_in,
+    uniform,
+)
 from .yade_scene import UNCOUNTED, Body, Scene, as_range
 
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
@@ -40,13 +52,6 @@ OTHER_SHAPES: Final = names("gridNode gridConnection pfacet chainedCylinder leve
 #: Methods of a SpherePack that make spheres, and those that leave them where they are.
 MADE: Final = ("makeCloud", "add")
 UNMOVED: Final = ("psd", "relDensity", "save", "toFile", "aabb", "dim", "center", "hasClumps", "psdDistrib")
-
-
-@dataclass(frozen=True)
-class Centre(Unknown):
-    """A centre of a sphere in a loop over a SpherePack, all of which are between these ends."""
-
-    ends: tuple[Ends | None, ...] = (None,)
 
 
 @dataclass
@@ -111,7 +116,9 @@ class BodyCalls:
             spheres = [body for body in bodies if body.kind == "sphere"]
             scene.bodies += bodies
             scene.filling.census.lots += [body.lot for body in spheres]
-            scene.filling.container.spheres += [body.ends for body in spheres]
+            scene.filling.fixed += [body.lot for body in spheres if body.frozen]
+            scene.filling.container.spheres += [body.ends for body in spheres if not body.frozen]
+            scene.filling.container.fix([body.ends for body in spheres if body.frozen])
             if clumped and isinstance(part, Instance):
                 self.clumps(replace(part, name="appendClumped"))
             other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
@@ -158,7 +165,7 @@ class BodyCalls:
         radius, centre = drawn(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
         body = self.body(instance, "sphere", radius)
         body.lot = uniform(None if body.several else 1.0, radius)
-        body.ends = None if body.frozen else made_ends(instance)
+        body.ends = made_ends(instance)
         instance.made.append(body)
         if centre is not None and not body.frozen:
             self.scene.filling.places.append((centre, centre, radius[0] if radius else 0.0))
@@ -169,7 +176,8 @@ class BodyCalls:
         body.several |= instance.name not in ("facet", "wall", "box")
         body.frozen |= instance.name != "box"
         obstacle(self.scene.filling, instance)
-        self.scene.filling.container.add(instance)
+        self.scene.filling.container.add(instance, ends_of_facets(instance, self.folder))
+        self.scene.filling.container.known &= body.frozen  # a box that moves may lie on the grains
         if instance.name == "box":
             half = instance.argument(1, "extents")
             if isinstance(half, list | tuple) and len(half) == 3 and all(as_range(x) or x == 0 for x in half):
@@ -185,6 +193,8 @@ class BodyCalls:
         else:
             place = 0 if instance.name == "hexaNet" else 1
             sizes = [fuzzy(instance.argument(place, "radius"), instance.attributes.get("rRelFuzz", 0.0))]
+        container = self.scene.filling.container
+        container.packed = max(container.packed, packed(instance))
         if instance.attributes.get("returnSpherePack") is True:
             instance.attributes["ends"] = [ends_of(instance)]
             instance.name = "SpherePack"
@@ -198,15 +208,16 @@ class BodyCalls:
         """Methods of a SpherePack."""
         lots, before = pack.attributes.setdefault("lots", []), len(pack.made)
         number = cloud(self.scene.filling, pack, instance) if name == "makeCloud" else 1.0
-        if name not in ("toSimulation", "toList", *UNMOVED):
-            pack.attributes.setdefault("ends", []).append(ends_of(instance, name) if name in MADE else None)
+        self.place_pack(name, pack, instance)
         if name == "makeCloud":
             pack.made.append(cloud_radii(instance))
         elif name == "add":
             pack.made.append(as_range(instance.argument(1, "radius")))
-        elif name in ("load", "fromFile") and (listed := radii_in(self.folder, instance, True)):
-            pack.made.append((min(listed), max(listed)))
-            lots.append(lot_of(listed))
+        elif name in ("load", "fromFile") and (listed := spheres_in(self.folder, instance, True)):
+            radii, ends = listed
+            pack.made.append((min(radii), max(radii)))
+            lots.append(lot_of(radii))
+            self.listed(pack.attributes["ends"], ends)
         elif name in PACK_FILES:
             pack.made.append(None)
         elif name == "makeClumpCloud":
@@ -224,11 +235,30 @@ class BodyCalls:
         elif name == "toList":
             instance.name, instance.made = "SpherePack", pack.made
         if len(pack.made) == before + 1 and name in MADE and not self.script.repeats:
-            lots.append(
-                uniform(number, pack.made[-1]) if instance.argument(7, "psdSizes") is None else UNCOUNTED
-            )
+            mean = mean_radius(instance) if name == "makeCloud" else None
+            counted = instance.argument(7, "psdSizes") is None and (mean is None or mean[0] == mean[1])
+            lots.append(uniform(number, pack.made[-1]) if counted else UNCOUNTED)
         elif len(lots) < len(pack.made):
             lots.append(UNCOUNTED)
+
+    def place_pack(self, name: str, pack: Instance, instance: Instance) -> None:
+        """Where the spheres of a SpherePack are after one of its methods."""
+        ends = pack.attributes.setdefault("ends", [])
+        by = vector(instance.argument(0, "vector")) if name == "translate" else None
+        if name in MADE:
+            ends.append(ends_of(instance, name))
+        elif by is not None:
+            ends[:] = [shifted(each, by) for each in ends]
+        elif name == "rotate" and None not in ends and ends:
+            ends[:] = [around_ball(around(ends))]
+        elif name not in ("toSimulation", "toList", *UNMOVED):
+            ends.append(None)
+
+    def listed(self, places: list[Ends | None], ends: Ends | None) -> None:
+        """Spheres of a file are between these ends, and may be packed."""
+        container = self.scene.filling.container
+        places[-1:] = [ends]
+        container.packed = max(container.packed, DENSITIES["randomDensePack"])
 
     def to_simulation(self, pack: Instance, instance: Instance) -> None:
         """The spheres of a SpherePack become bodies."""
@@ -244,10 +274,14 @@ class BodyCalls:
     def from_file(self, instance: Instance) -> None:
         """Spheres whose sizes are not in the script: in a text beside it, or not known."""
         scene = self.scene
-        listed = radii_in(self.folder, instance, False) if instance.name in TEXTS else None
+        listed = spheres_in(self.folder, instance, False) if instance.name in TEXTS else None
         if listed is not None:
-            body = self.body(instance, "sphere", (min(listed), max(listed)))
-            body.several, body.lot = True, UNCOUNTED if self.script.repeats else lot_of(listed)
+            radii, ends = listed
+            body = self.body(instance, "sphere", (min(radii), max(radii)))
+            body.several, body.lot = True, UNCOUNTED if self.script.repeats else lot_of(radii)
+            places: list[Ends | None] = [None]
+            self.listed(places, ends)
+            (body.ends,) = places
             instance.made.append(body)
             return
         scene.elsewhere = True
@@ -293,14 +327,14 @@ def cloud_radii(instance: Instance) -> Range | None:
         return None if diameters is None else (0.5 * diameters[0], 0.5 * diameters[1])
     if sizes:
         return None  # YADE may scale the sizes down
-    return fuzzy(mean_radius(instance), instance.argument(3, "rRelFuzz", 0.0))
+    mean, fuzz = mean_radius(instance), instance.argument(3, "rRelFuzz", 0.0)
+    return None if mean is None else union([fuzzy(end, fuzz) for end in mean])
 
 
 def drawn(value: Any) -> Range | None:
-    """A known positive number, or the ends of ``random.uniform``."""
-    if isinstance(value, Instance) and value.name == "uniform" and len(value.arguments) == 2:
-        return union([as_range(end) for end in value.arguments])
-    return as_range(value)
+    """A known positive number, or the ends of one that is drawn at random."""
+    ends = span(value) if isinstance(value, Drawn) else None
+    return union([as_range(end) for end in ends]) if ends is not None else as_range(value)
 
 
 def fuzzy(mean: Any, fuzz: Any) -> Range | None:

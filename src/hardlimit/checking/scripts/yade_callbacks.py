@@ -31,6 +31,8 @@ FORCE_METHODS: Final = names("addF setPermF addForce addT setPermT addTorque add
 TOUCHING: Final = FORCE_METHODS | names(
     "toSimulation growParticles growParticle load loadTmp reload reset setContactFriction"
 )
+#: Attributes that change what presses a bed.
+OF_BEDS: Final = names("engines gravity radius mass density densityScaling dynamic blockedDOFs")
 #: Functions that run a text that is not read.
 HIDDEN: Final = ("exec", "execfile", "runpy", "run_path", "run_module", "import_module", "__import__")
 #: Attributes of states: of walls, they move them.
@@ -46,6 +48,21 @@ def touches(part: ast.AST) -> bool:
         if isinstance(node, ast.Call):
             owner, _, name = ast.unparse(node.func).rpartition(".")
             if name in TOUCHING or name in HIDDEN or owner.endswith((".bodies", ".materials")):
+                return True
+    return False
+
+
+def fills(part: ast.AST) -> bool:
+    """Whether statements change which bodies there are, their masses, or what pulls them, not only their contacts."""
+    for node in ast.walk(part):
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        if any(isinstance(each, ast.Attribute) and each.attr in OF_BEDS for each in targets):
+            return True
+        if isinstance(node, ast.Call):
+            owner, _, name = ast.unparse(node.func).rpartition(".")
+            if name in TOUCHING - {"setContactFriction"} or name in HIDDEN:
+                return True
+            if owner.endswith(".bodies") and name != "erase":
                 return True
     return False
 

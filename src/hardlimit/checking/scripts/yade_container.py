@@ -15,6 +15,8 @@ from .python import Instance
 
 #: Cosine of the angle up to which gravity counts as along an axis.
 ALONG: Final = 1.0 - 1e-6
+#: The same for a slope, on which a bed is as high everywhere in a periodic cell: 45°.
+TILTED: Final = math.sqrt(0.5)
 #: Largest number whose third power is finite.
 LARGEST: Final = 1e100
 #: Rounding error of positions over the largest of them.
@@ -67,15 +69,26 @@ class Container:
     cylinders: list[Cylinder] = field(default_factory=list)
     ends: list[Ends] = field(default_factory=list)  #: of walls and facets
     solid: list[Ends] = field(default_factory=list)  #: of boxes
+    bumps: list[Ends] = field(default_factory=list)  #: of spheres that do not move
     plain: bool = True  #: whether all walls are such faces and cylinders
     spheres: list[Ends | None] = field(default_factory=list)  #: of each command; None if not known
-    known: bool = True  #: whether all walls are known and at rest
+    known: bool = True  #: whether walls and spheres stay where they are made, or move as in ``moves``
+    everywhere: bool = True  #: whether it is known how far all walls reach
+    rough: bool = False  #: whether some spheres do not move
+    moves: list[Direction | None] = field(default_factory=list)  #: velocities of walls; None if not known
+    packed: float = (
+        0.0  #: largest packing fraction of spheres when they are made, if it may exceed that of a bed
+    )
 
-    def add(self, instance: Instance) -> None:
-        """A wall, a box or facets."""
+    def add(self, instance: Instance, reach: Ends | None) -> None:
+        """A wall, a box or facets, with how far they reach if that is known."""
+        if instance.attributes.get("mask") == 0:
+            return  # it touches nothing
         shape = shape_of(instance)
         if shape is None:
-            self.known = False
+            self.plain = False
+            self.everywhere &= reach is not None
+            self.ends += [] if reach is None else [reach]
             return
         ends, faces = shape
         (self.solid if instance.name == "box" else self.ends).append(ends)
@@ -92,25 +105,81 @@ class Container:
         known = [ends for ends in self.spheres if ends is not None]
         return union(known) if known and len(known) == len(self.spheres) and self.known else None
 
-    def height(self, down: Direction) -> float | None:
-        """From the lowest end of walls to the highest one of the spheres when they are made: no bed is higher."""
-        space, along = self.around, axis_of(down)
+    def fix(self, spheres: list[Ends | None]) -> None:
+        """Spheres that do not move."""
+        self.rough |= bool(spheres)
+        self.bumps += [ends for ends in spheres if ends is not None]
+        self.everywhere &= None not in spheres
+
+    def height(self, down: Direction, cell: Direction | None = None) -> float | None:
+        """From the lowest end of walls to the highest one of the spheres when they are made: no bed is higher.
+
+        If it is not known how far all walls reach, from a floor below all spheres on.
+        """
+        space, along = self.around, axis_of(down, cell is not None)
         if space is None or along is None:
             return None
         k, sign = along
+        lowest, height = _lowest(space, along), max(sign * end[k] for end in space)
         ends = [sign * end[k] for pair in self.ends for end in pair if math.isfinite(end[k])]
-        tops = [max(sign * end[k] for end in pair) for pair in self.solid]
-        bottom, height = min((*ends, *tops), default=math.inf), max(sign * end[k] for end in space)
-        return height - bottom if bottom <= _lowest(space, along) + ROUNDING * abs(height) else None
+        tops = [max(sign * end[k] for end in pair) for pair in (*self.solid, *self.bumps)]
+        if not self.everywhere:
+            ends = [max((sign * face.at for face in self.floors(space, along, cell)), default=math.inf)]
+            tops = []
+        bottom = min((*ends, *tops), default=math.inf)
+        inside = bottom <= lowest + ROUNDING * abs(height)
+        return height - bottom if inside and math.isfinite(height) else None
+
+    def turned(self, axis: Direction) -> float | None:
+        """The diameter of the circle around the axis in which all walls and spheres turn: no bed in them is higher."""
+        walls = [pair for pair in self.ends if all(map(math.isfinite, (*pair[0], *pair[1])))]
+        if self.around is None or not self.everywhere or not walls or not any(axis):
+            return None
+        low, high = union([*walls, self.around])
+        along = [part / math.hypot(*axis) for part in axis]
+        round_walls = [cylinder.ends for cylinder in self.cylinders]
+        if (
+            all(wall in round_walls for wall in walls)
+            and (low, high) in round_walls
+            and abs(along[2]) > ALONG
+        ):
+            return high[0] - low[0]
+        squares = [(b - a) ** 2 * (1.0 - t * t) for a, b, t in zip(low, high, along, strict=True)]
+        return math.sqrt(math.fsum(squares)) if math.isfinite(math.fsum(squares)) else None
+
+    def based(self, down: Direction, cell: Direction) -> bool:
+        """Whether a floor covers a periodic cell below all spheres, which do not reach beyond its ends."""
+        space, along = self.around, axis_of(down, tilted=True)
+        if space is None or along is None or not self.floors(space, along, cell):
+            return False
+        k, small = along[0], self.small(space)
+        return space[0][k] >= -small and space[1][k] <= cell[k] + small
+
+    def floors(self, space: Ends, along: tuple[int, float], cell: Direction | None) -> list[Face]:
+        """The faces below all spheres that catch them, wherever they are made, or all over a periodic cell."""
+        k, sign = along
+        small, lowest = self.small(space), _lowest(space, along)
+        reach = space if cell is None else _over(cell, space, k)
+        return [
+            face
+            for face in self.faces
+            if face.axis == k and sign * face.at <= lowest + small and face.covers(reach, small)
+        ]
+
+    def small(self, space: Ends) -> float:
+        """Rounding error of positions."""
+        numbers = [abs(x) for end in (*space, *(face.ends[0] for face in self.faces)) for x in end]
+        return ROUNDING * max((number for number in numbers if number < math.inf), default=0.0)
 
     def floor(self, down: Direction, cell: Direction | None) -> float | None:
         """The area on which all spheres lie, across gravity; None if it is not known. ``cell``: if it is periodic."""
-        space, along = self.around, axis_of(down)
-        if space is None or along is None or not self.plain:
+        space, along = self.around, axis_of(down, cell is not None)
+        if space is None or along is None or not self.plain or not self.everywhere:
             return None
         k, sign = along
-        numbers = [abs(x) for end in (*space, *(face.ends[0] for face in self.faces)) for x in end]
-        small = ROUNDING * max(number for number in numbers if number < math.inf)
+        small = self.small(space)
+        if any(max(sign * end[k] for end in pair) > _lowest(space, along) + small for pair in self.bumps):
+            return None
         below = [
             face for face in self.faces if face.axis == k and sign * face.at <= _lowest(space, along) + small
         ]
@@ -189,6 +258,15 @@ def _limits(space: Ends, along: tuple[int, float], at: float) -> Ends:
     return union([space, _flat(space, along[0], at)])
 
 
+def _over(cell: Direction, space: Ends, k: int) -> Ends:
+    """A periodic cell as high as a space along an axis."""
+    low, high = (
+        tuple(at if j == k else x for j, x in enumerate(end))
+        for end, at in zip(((0.0,) * 3, cell), (space[0][k], space[1][k]), strict=True)
+    )
+    return low, high
+
+
 def _flat(space: Ends, k: int, at: float) -> Ends:
     """A space without extent along an axis."""
     low, high = (tuple(at if j == k else x for j, x in enumerate(end)) for end in space)
@@ -201,9 +279,9 @@ def union(spaces: list[Ends]) -> Ends:
     return tuple(map(min, *lows, lows[0])), tuple(map(max, *highs, highs[0]))
 
 
-def axis_of(down: Direction) -> tuple[int, float] | None:
-    """The axis along which gravity is, and the sign of what is up."""
-    axes = [k for k, part in enumerate(down) if abs(part) > ALONG]
+def axis_of(down: Direction, tilted: bool = False) -> tuple[int, float] | None:
+    """The axis along which gravity is, or the nearest one if it may be tilted, and the sign of what is up."""
+    axes = [k for k, part in enumerate(down) if abs(part) > (TILTED if tilted else ALONG)]
     return (axes[0], -1.0 if down[axes[0]] > 0.0 else 1.0) if axes else None
 
 

@@ -12,10 +12,19 @@ from . import census
 from .commands import text_of
 from .description import Contents, Direction, Lot, Range, Speed, Stage
 from .python import Instance, flat
-from .yade_container import Container, Ends, axis_of, box_around, is_number, vector
+from .yade_container import Container, Ends, axis_of, box_around, is_number, union, vector
+from .yade_extents import ends_of_space, shifted, span
 
 #: Fewest spheres in one stack that are taken as a bed.
-PILE: Final = 10
+PILE: Final = 3
+#: Packing fractions of packings: of lattices without gaps, and of random ones that were pressed together.
+REGULAR: Final = ("regularHexa", "regularOrtho")
+DENSITIES: Final = {
+    "regularHexa": math.pi / math.sqrt(18.0),
+    "regularOrtho": math.pi / 6.0,
+    "randomDensePack": 0.64,
+    "filterSpherePack": 0.64,
+}
 #: Porosity of ``makeCloud`` by default, and from which on it makes no spheres smaller.
 POROSITY, LOOSE = 0.65, 0.75
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
@@ -27,6 +36,7 @@ class YadeFilling:
     """The cell, the spheres that are made, where they are and how they move."""
 
     census: census.Census = field(default_factory=census.Census)
+    fixed: list[Lot] = field(default_factory=list)  #: those of the census that do not move
     cell: tuple[float, ...] | None = None  #: edges of the periodic cell
     periodic: bool = False
     #: Where centres of spheres are made, and their radius; of a cloud, its corners and 0.
@@ -44,22 +54,56 @@ class YadeFilling:
         lots = self.census.known
         return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds), lots=lots)
 
-    def bed(self, contents: Contents, down: Direction) -> Contents:
-        """With the area on which the spheres lie, and the height above which none of them comes to rest."""
+    def without_fixed(self, contents: Contents) -> Contents:
+        """A bed without the spheres that do not move, of which a few others are no bed."""
+        lots = list(self.census.lots)
+        for lot in self.fixed:
+            lots.remove(lot)
+        moving = replace(self.census, lots=lots)
+        if not self.fixed or contents.count is None or moving.count is None or moving.count < PILE:
+            return contents
+        return replace(contents, count=moving.count, filled=moving.filled(3), lots=moving.known)
+
+    def bed(
+        self,
+        contents: Contents,
+        down: Direction,
+        made: Sequence[Ends | None],
+        turning: Direction | None,
+        moving: bool,
+    ) -> Contents:
+        """With the area on which the spheres lie, and the height above which none of them comes to rest.
+
+        ``made``: where factories make spheres. ``turning``: the axis about which walls turn across gravity.
+        ``moving``: whether they move or turn.
+        """
         cell = self.cell if self.periodic else None
         if self.periodic and (cell is None or len(cell) != 3):
             return contents
-        floor, height = self.container.floor(down, cell), self.container.height(down)
-        if height is None or (cell is not None and floor is None):
+        container = replace(self.container, spheres=[*self.container.spheres, *made])
+        floor = None if moving else container.floor(down, cell)
+        height = container.height(down, cell) if turning is None else container.turned(turning)
+        if height is None or (cell is not None and floor is None and not container.based(down, cell)):
             return contents
+        contents = self.without_fixed(contents)
         source = "from the floor to where spheres are made"
+        if turning is not None:
+            source = "across the circle in which walls turn"
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
             if contents.count * diameter < height and contents.count < PILE:
                 return contents
             if contents.count * diameter < height:
                 height, source = contents.count * diameter, "of spheres in one stack"
-        return replace(contents, floor=floor, walled=cell is None, height=height, height_from=source)
+        return replace(
+            contents,
+            floor=floor,
+            walled=cell is None or container.rough,
+            height=height,
+            height_from=source,
+            packed=container.packed,
+            without="what moving walls add" if moving else "",
+        )
 
 
 def corners_of(instance: Instance) -> list[Direction | None]:
@@ -71,23 +115,33 @@ def corners_of(instance: Instance) -> list[Direction | None]:
 
 
 def ends_of(instance: Instance, name: str = "") -> Ends | None:
-    """Where ``makeCloud``, ``sphere``, ``add``, or a simple cubic packing in a box makes spheres.
-
-    None if it is not known, and of packings that may be denser than a bed.
-    """
-    if (name or instance.name) == "makeCloud":
+    """Where ``makeCloud``, ``sphere``, ``add`` or a packing makes spheres; None if it is not known."""
+    name = name or instance.name
+    if name == "makeCloud":
         low, high = corners_of(instance)
-        known = low is not None and high is not None and "hSize" not in instance.attributes
-        return (low, high) if known and low is not None and high is not None else None
-    if (name or instance.name) in ("sphere", "add"):
-        radius = instance.argument(1, "radius")
-        return box_around(instance.argument(0, "center"), (radius,) * 3)
-    space = instance.argument(0, "predicate")
-    loose = (name or instance.name) == "regularOrtho"
-    if not loose or not isinstance(space, Instance) or space.name != "inAlignedBox":
+        if low is None or high is None or "hSize" in instance.attributes:
+            return None
+        return tuple(map(min, low, high)), tuple(map(max, low, high))
+    if name in ("sphere", "add"):
+        return around_sphere(instance.argument(0, "center"), instance.argument(1, "radius"))
+    return ends_of_space(instance.argument(0, "predicate")) if name in DENSITIES else None
+
+
+def around_sphere(centre: Any, radius: Any) -> Ends | None:
+    """The ends of a sphere, whose place and radius may be drawn at random."""
+    spans, size = [span(x) for x in centre] if isinstance(centre, list | tuple) else [], span(radius)
+    known = [each for each in spans if each is not None]
+    if len(known) != 3 or len(spans) != 3 or size is None or size[1] < 0.0:
         return None
-    low, high = (vector(space.argument(k, name)) for k, name in enumerate(("minAABB", "maxAABB")))
-    return None if low is None or high is None else (low, high)
+    return tuple(low - size[1] for low, _ in known), tuple(high + size[1] for _, high in known)
+
+
+def packed(instance: Instance, name: str = "") -> float:
+    """The packing fraction of a packing when it is made; 0 for clouds and spheres, which are looser than beds."""
+    dense = DENSITIES.get(name or instance.name, 0.0)
+    radius, gap = instance.argument(1, "radius"), instance.argument(2, "gap", 0.0)
+    spaced = is_number(radius) and is_number(gap) and radius > 0.0 and gap > 0.0
+    return dense / (1.0 + 0.5 * gap / radius) ** 3 if spaced and instance.name in REGULAR else dense
 
 
 def cloud(filling: YadeFilling, pack: Instance, instance: Instance) -> float | None:
@@ -101,22 +155,29 @@ def cloud(filling: YadeFilling, pack: Instance, instance: Instance) -> float | N
     return float(number) if is_number(number) and number > 0 else None
 
 
-def mean_radius(instance: Instance) -> Any:
-    """``rMean`` of ``makeCloud``. If it is not positive, YADE takes the one with which ``num`` spheres have a porosity.
+def mean_radius(instance: Instance) -> Range | None:
+    """The ends of ``rMean`` of ``makeCloud``.
 
-    V (1 − porosity) = num 4/3 π r³ (1 + fuzz²), and smaller spheres if they find no place. That is not so from a
-    porosity of :data:`LOOSE` on: of its 1000 tries for each sphere, 30 succeed.
+    If it is not positive, YADE takes the one with which ``num`` spheres have a porosity, V (1 − porosity) =
+    num 4/3 π r³ (1 + fuzz²), and smaller spheres if they find no place. That is not so from a porosity of :data:`LOOSE`
+    on: of its 1000 tries for each sphere, 30 succeed.
     """
     mean, number = instance.argument(2, "rMean", -1), instance.argument(4, "num", -1)
     corners = [corner for corner in corners_of(instance) if corner is not None]
     fuzz, porosity = instance.argument(3, "rRelFuzz", 0.0), instance.argument(6, "porosity", POROSITY)
     if not is_number(mean) or mean > 0.0 or len(corners) < 2 or "hSize" in instance.attributes:
-        return mean
+        return (mean, mean) if is_number(mean) and mean > 0.0 else None
     volume = math.prod(b - a for a, b in zip(*corners, strict=True))
     known = is_number(number) and is_number(fuzz) and is_number(porosity)
-    if not known or number <= 0 or volume <= 0.0 or not LOOSE <= porosity < 1.0:
+    if not known or number <= 0 or volume <= 0.0 or not 0.0 < porosity < 1.0:
         return None
-    return (0.75 * volume * (1.0 - porosity) / (math.pi * (1.0 + fuzz * fuzz) * number)) ** (1.0 / 3.0)
+
+    def radius(porosity: float) -> float:
+        return float(
+            (0.75 * volume * (1.0 - porosity) / (math.pi * (1.0 + fuzz * fuzz) * number)) ** (1.0 / 3.0)
+        )
+
+    return radius(max(porosity, LOOSE)), radius(porosity)
 
 
 def obstacle(filling: YadeFilling, instance: Instance) -> None:
@@ -171,13 +232,13 @@ def relative(filling: YadeFilling) -> Iterator[Speed]:
         yield Speed(largest, "the velocities that are set")
 
 
-def radii_in(folder: Path | None, instance: Instance, pack: bool) -> list[float] | None:
-    """Radii in a file of spheres beside the script; None if it is not there, or not understood."""
-    name = instance.argument(0, "fileName")
-    scale = 1.0 if pack else instance.argument(2, "scale", 1.0)
+def spheres_in(folder: Path | None, instance: Instance, pack: bool) -> tuple[list[float], Ends | None] | None:
+    """Radii in a file of spheres beside the script, and their ends; None if it is not there, or not understood."""
+    name, by = instance.argument(0, "fileName"), (0.0, 0.0, 0.0)
+    place = 3 if instance.name == "textExt" else 2
+    scale = 1.0 if pack else instance.argument(place, "scale", 1.0)
+    shift = by if pack else vector(instance.argument(place - 1, "shift", by))
     form = instance.argument(1, "format", "x_y_z_r") if instance.name == "textExt" else "x_y_z_r"
-    if instance.name == "textExt":
-        scale = instance.argument(3, "scale", 1.0)
     if folder is None or not isinstance(name, str) or not is_number(scale) or form != "x_y_z_r":
         return None
     text = text_of(folder / name)
@@ -185,10 +246,17 @@ def radii_in(folder: Path | None, instance: Instance, pack: bool) -> list[float]
     try:
         if any(words[:1] == ["#format"] and words[1:] != ["x_y_z_r"] for words in lines):
             return None
-        radii = [scale * float(words[3]) for words in lines if words and not words[0].startswith("#")]
+        rows = [
+            [scale * float(word) for word in words[:4]] for words in lines if words and words[0][0] != "#"
+        ]
+        radii = [row[3] for row in rows]
+        boxes = [box_around(at, (radius,) * 3) for *at, radius in rows]
+        ends = None if None in boxes else union([box for box in boxes if box is not None])
     except (IndexError, ValueError):
         return None
-    return radii if radii and all(0.0 < radius < math.inf for radius in radii) else None
+    if not radii or not all(0.0 < radius < math.inf for radius in radii):
+        return None
+    return radii, shifted(ends, shift) if shift is not None else None
 
 
 def lot_of(radii: Sequence[float]) -> Lot:

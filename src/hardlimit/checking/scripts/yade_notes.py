@@ -49,6 +49,15 @@ FORCES: Final = {
     "ForceEngine": "an additional force",
     "Centrifugal": "an additional force",
 }
+
+
+def force_of(engine: str) -> str:
+    """What force an engine adds beside contacts, in words; empty if it adds none."""
+    return next((what for sign, what in FORCES.items() if sign in engine), "")
+
+
+#: Those of a fluid, which carries a part of the weight.
+FLUIDS: Final = ("", "drag of a fluid", "a fluid", "buoyancy")
 #: Engines that prescribe a stress or a strain of all grains.
 PRESSING: Final = names("""
 TriaxialStressController TriaxialCompressionEngine PeriTriaxController PeriIsoCompressor Peri3dController
@@ -92,7 +101,7 @@ def notes(scene: Scene, script: Evaluator) -> None:
         elif name == "PyRunner":
             runner_note(scene, script, instance)
         elif instance in scene.engines:
-            what = next((what for sign, what in FORCES.items() if sign in name), "")
+            what = force_of(name)
             if what:
                 scene.invalidate(f"{what} ({name})", quote)
             elif name not in ENGINES and not name.endswith("Recorder"):
@@ -156,6 +165,28 @@ def damping_note(scene: Scene, stage: Stage) -> None:
         quote = scene.at(integrators[-1]) if integrators else None
         what = f"the damping {damping:g} of NewtonIntegrator acts on spins as well, along each axis"
         scene.warnings[Note(f"{what}: β is without it", None, quote)] = None
+
+
+#: Words of a script that flips a sheared cell, or lets its spheres be larger than YADE accepts.
+FLIPPED: Final = ("flipCell", "flipFlippable", "allowBiggerThanPeriod")
+#: Strain of a periodic cell up to which none needs to be flipped.
+UNFLIPPED: Final = 1.0
+
+
+def flip_note(scene: Scene, script: Evaluator, stage: Stage) -> None:
+    """A periodic cell that is sheared on and on, which YADE refuses once its spheres span half of a side.
+
+    The box around a sphere grows with the inclination of the cell; 2023.02a stops with ``Body larger than half of the
+    cell size encountered``, seen at a strain of 2.3 in a cell that is seven diameters wide.
+    """
+    if not stage.shear_rate or scene.strain is None or any(word in script.text for word in FLIPPED):
+        return
+    known = stage.steps is not None and stage.time_step is not None and script.repeats == 0
+    if known and stage.shear_rate * (stage.steps or 0) * (stage.time_step or 0.0) <= UNFLIPPED:
+        return
+    what = "a cell that is sheared beyond a strain of about 2 must be flipped (O.cell.flipFlippable = True)"
+    why = "else YADE stops once the box around a sphere exceeds half of a side"
+    scene.warnings[Note(f"{what}: {why}", None, scene.strain[1])] = None
 
 
 def sides_note(scene: Scene, stage: Stage) -> None:

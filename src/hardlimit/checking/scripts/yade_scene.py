@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -13,7 +14,7 @@ from .population import union
 from .python import Instance, Unknown, flat
 from .reader import Reader
 from .statements import quoted, refusal
-from .yade_container import Ends
+from .yade_container import Container, Ends
 from .yade_filling import YadeFilling
 
 #: Materials that are read, with the defaults of their numbers.
@@ -69,6 +70,7 @@ class Scene(Reader):
     system: int = 0  #: number of the scene
     changed: bool = True  #: whether anything may have changed since the last run
     saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
+    saved_container: Container = field(default_factory=Container)
 
     def __post_init__(self) -> None:
         self.begin()
@@ -106,13 +108,14 @@ class Scene(Reader):
 
     def save(self) -> None:
         self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
+        self.saved_container = copy.deepcopy(self.filling.container)
 
     def load(self) -> bool:
         """The scene that was saved last; False if there is none."""
         if self.saved is None:
             return False
         self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
-        self.numbered, self.filling.container.known = 0, False
+        self.numbered, self.filling.container = 0, copy.deepcopy(self.saved_container)
         return True
 
     def remove_bodies(self) -> None:
@@ -189,7 +192,12 @@ class Scene(Reader):
             radii = union([as_range(attributes.get(name)) for name in ("rMin", "rMax")])
             number, quote = attributes.get("materialId", -1), self.at(factory)
             if isinstance(number, int) and -len(self.materials) <= number < len(self.materials):
-                sizes = None if "PSDsizes" in attributes else radii
+                diameters = attributes.get("PSDsizes")
+                if isinstance(diameters, list | tuple):
+                    ends = union([as_range(diameter) for diameter in diameters])
+                    sizes = None if ends is None else (0.5 * ends[0], 0.5 * ends[1])
+                else:
+                    sizes = radii if diameters is None else None
                 material = number % len(self.materials)
                 spheres.append(Body("sphere", sizes, material, False, quote, several=True))
             else:

@@ -10,10 +10,21 @@ from .description import Contents, Description, Direction, Motion, Note, Quote, 
 from .motion import STEADY, UNKNOWN, strongest
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import refusal
-from .yade_callbacks import moves, parts_of, touches, uncalled
+from .yade_callbacks import fills, moves, parts_of, uncalled
 from .yade_contacts import Contacts
-from .yade_container import is_number, vector
-from .yade_notes import FORCES, MOTION, PRESSING, callbacks, damping_note, missing_engines, notes, sides_note
+from .yade_container import Ends, box_around, is_number, vector
+from .yade_notes import (
+    FLUIDS,
+    MOTION,
+    PRESSING,
+    callbacks,
+    damping_note,
+    flip_note,
+    force_of,
+    missing_engines,
+    notes,
+    sides_note,
+)
 from .yade_scene import MATERIALS, Scene, is_active
 
 DEFAULT_TIME_STEP: Final = 1e-8  #: of a scene
@@ -23,11 +34,16 @@ PRESSURES: Final = {
     "PeriTriaxController": (("goal",), 0),
     "Peri3dController": (("goal",), 0),
     "TriaxialStressController": (("goal1", "goal2", "goal3"), 7),
+    "ThreeDTriaxialEngine": (("sigma1", "sigma2", "sigma3"), 7),
     "PeriIsoCompressor": (("stresses",), 0),
     "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
 }
 #: Those that move walls or grains steadily.
 STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
+#: Those that may leave a bed under its own weight, and the cosine up to which they move across gravity.
+ACROSS: Final = {"TranslationEngine", "RotationEngine", "HarmonicMotionEngine"}
+LEVEL: Final = 1e-6
+X_AXIS: Final = (1.0, 0.0, 0.0)  #: of engines that turn, by default
 #: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
 HARMONIC: Final = (("A", (0.0, 0.0, 0.0)), ("f", (0.0, 0.0, 0.0)))
 
@@ -52,6 +68,7 @@ def add_stage(scene: Scene, script: Evaluator, quote: Quote, steps: int | None) 
     """Note what holds now. A run with the same settings as that before continues its stage."""
     if scene.stages and not scene.changed:
         scene.longer(steps, contents(scene, script, scene.stages[-1]))
+        flip_note(scene, script, scene.stages[-1])
         return
     scene.changed = False
     for instance in scene.instances if scene.bare else ():
@@ -61,10 +78,12 @@ def add_stage(scene: Scene, script: Evaluator, quote: Quote, steps: int | None) 
     stage = replace(stage, contents=contents(scene, script, stage))
     if scene.continues(stage):
         scene.longer(steps, stage.contents)
+        flip_note(scene, script, scene.stages[-1])
         return
     scene.stages.append(stage)
     damping_note(scene, stage)
     sides_note(scene, stage)
+    flip_note(scene, script, stage)
     notes(scene, script)
     if stage.contacts:
         missing_engines(scene)
@@ -98,24 +117,57 @@ def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
 def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     """What a run has in its cell; factories make an unknown number of spheres."""
     contents = scene.filling.contents(stage)
-    if scene.elsewhere or any(scene.used(name) for name in ("BoxFactory", "CircularFactory")):
-        return replace(contents, count=None, filled=None)
-    if stage.down is None or not is_still(scene, script):
+    factories = [*scene.used("BoxFactory"), *scene.used("CircularFactory")]
+    if scene.elsewhere or factories:
+        contents = replace(contents, count=None, filled=None)
+    if scene.elsewhere or stage.down is None or not has_own_weight(scene, script, stage.down):
         return contents
-    return scene.filling.bed(contents, stage.down)
+    made = [ends_of_factory(factory) for factory in factories]
+    turning = [
+        vector(engine.attributes.get("rotationAxis", X_AXIS)) for engine in scene.used("RotationEngine")
+    ]
+    across = [axis for axis in turning if axis is None or not is_along(axis, stage.down)]
+    if None in across or len(across) > 1:
+        return contents
+    moving = any(velocity is not None and any(velocity) for velocity in scene.filling.container.moves)
+    moving = moving or any(scene.used(name) for name in ACROSS)
+    return scene.filling.bed(contents, stage.down, made, next(iter(across), None), moving)
 
 
-def is_still(scene: Scene, script: Evaluator) -> bool:
-    """Whether no engine or callback moves walls, adds bodies or forces, or presses the grains."""
-    engines = [engine.name for engine in scene.used("")]
-    forced = any(sign in name for name in engines for sign in FORCES)
-    if scene.strain is not None or forced or not MOTION.isdisjoint(engines):
+def is_along(axis: Direction, down: Direction) -> bool:
+    """Whether an axis is that of gravity."""
+    return abs(sum(a * b for a, b in zip(axis, down, strict=True))) > (1.0 - LEVEL) * math.hypot(*axis)
+
+
+def has_own_weight(scene: Scene, script: Evaluator, down: Direction) -> bool:
+    """Whether nothing but their weight, and walls that move across gravity, presses the grains where they are known.
+
+    Engines and callbacks must add no bodies or forces; those of a fluid are left out here.
+    """
+    engines = {engine.name for engine in scene.used("")}
+    forced = any(force_of(name) not in FLUIDS for name in engines)
+    if scene.strain is not None or forced or engines & (MOTION - ACROSS | {"ResetRandomPosition"}):
         return False
+    axes = [vector(engine.attributes.get("translationAxis")) for engine in scene.used("TranslationEngine")]
+    for move in (*axes, *scene.filling.container.moves):
+        if move is None or abs(sum(a * b for a, b in zip(move, down, strict=True))) > LEVEL * math.hypot(
+            *move
+        ):
+            return False
     commands = [engine.argument(0, "command", "") for engine in scene.used("PyRunner")]
     if not all(isinstance(command, str) for command in commands):
         return False
     parts = [part for command in commands for part in parts_of(script, command)]
-    return not any(touches(part) or moves(part) for part in (*parts, *uncalled(script)))
+    return not any(fills(part) or moves(part) for part in (*parts, *uncalled(script)))
+
+
+def ends_of_factory(factory: Instance) -> Ends | None:
+    """Where a factory makes spheres; None if it is not known."""
+    radius, length = factory.attributes.get("radius"), factory.attributes.get("length", 0.0)
+    half = factory.attributes.get("extents")
+    if factory.name == "CircularFactory" and radius is not None and is_number(radius) and is_number(length):
+        half = (math.hypot(radius, 0.5 * length),) * 3
+    return box_around(factory.attributes.get("center"), half)
 
 
 def time_step(scene: Scene) -> float | None:
@@ -175,12 +227,16 @@ def driving(scene: Scene) -> tuple[tuple[Note, ...], tuple[Note, ...], float | N
 def pressure(scene: Scene) -> float | None:
     """The pressure that a controller prescribes; None if there is none or several, or if it is not known."""
     engines = [engine for engine in scene.used("") if engine.name in PRESSURES]
+    engines = [engine for engine in engines if is_active(engine)] or engines
     if len(engines) != 1:
         return None
     engine = engines[0]
     names, mask = PRESSURES[engine.name]
     values = flat([engine.attributes.get(name) for name in names])
     mask = engine.attributes.get("stressMask", mask)
+    if engine.name == "ThreeDTriaxialEngine":
+        controlled = [engine.attributes.get(f"stressControl_{k}", True) for k in (1, 2, 3)]
+        mask = sum(1 << k for k, value in enumerate(controlled) if value in (True, 1))
     if engine.name == "PeriIsoCompressor":
         values, mask = values[-1:], 1
     if not isinstance(mask, int):
@@ -197,6 +253,8 @@ def motion(scene: Scene, down: Direction | None) -> Motion | None:
     for engine in scene.used(""):
         if engine.name == "HarmonicMotionEngine":
             motions += shaking(engine) or [UNKNOWN]
+        elif engine.name == "BicyclePedalEngine":
+            motions.append(circling(engine, down))
         elif engine.name in STEADY_MOTION:
             steady, speed = STEADY, engine.argument(-1, "velocity")
             if engine.name == "TranslationEngine" and speed is not None and is_number(speed):
@@ -218,6 +276,24 @@ def shaking(engine: Instance) -> list[Motion]:
         Motion(tuple(a * (k == axis) for k in range(3)), 2.0 * math.pi * f)
         for axis, (a, f) in enumerate(zip(sizes, rates, strict=False))
     ]
+
+
+def circling(engine: Instance, down: Direction | None) -> Motion:
+    """That of ``BicyclePedalEngine``, which moves all points on circles across an axis: its part along gravity."""
+    radius, rate = engine.attributes.get("radius"), engine.attributes.get("angularVelocity", 0.0)
+    axis = vector(engine.attributes.get("rotationAxis", X_AXIS))
+    if (
+        axis is None
+        or not any(axis)
+        or down is None
+        or radius is None
+        or not is_number(radius)
+        or not is_number(rate)
+    ):
+        return UNKNOWN
+    along = sum(a * b for a, b in zip(axis, down, strict=True)) / math.hypot(*axis)
+    size = abs(radius) * math.sqrt(max(1.0 - along * along, 0.0))
+    return Motion(tuple(size * part for part in down), abs(float(rate)))
 
 
 def angular_velocity(engine: Instance) -> Direction | None:

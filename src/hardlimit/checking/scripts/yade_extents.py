@@ -1,0 +1,326 @@
+"""How far numbers drawn at random, predicates, surfaces and files of meshes reach in scripts of YADE.
+
+``pack.py``, ``geom.py``, ``ymport.py`` and the predicates of ``pack`` in YADE 2023.02a. What is turned is taken as the
+ball around it: the ends are those that it does not exceed.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from .commands import LARGEST_FILE, text_of
+from .description import Range
+from .python import Instance, Unknown
+from .yade_container import LARGEST, Ends, box_around, is_number, union, vector
+
+#: Functions of random numbers without arguments, and those between their first two.
+UNIT: Final = ("random", "rand", "random_sample")
+BETWEEN: Final = ("uniform", "randint", "randrange")
+ANY: Final = ("gauss", "normalvariate", "normal", "randn")
+OPERATORS: Final[dict[type, Callable[[float, float], float]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
+#: Methods that leave a surface or a pack where it is.
+UNMOVED: Final = ("is_closed", "aabb", "dim", "center", "volume", "write", "coarsen")
+#: Objects that draw numbers at random.
+GENERATORS: Final = ("default_rng", "Random", "RandomState")
+#: Sizes of a binary STL file: of its header, and of a triangle, whose corners are numbers 3 to 11.
+STL_HEADER, TRIANGLE = 84, np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")])
+#: Arguments of cylindrical predicates.
+CAPS: Final = ("centerBottom", "centerTop")
+CORNER: Final = re.compile(r"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Drawn(Unknown):
+    """A number drawn at random, of which only the ends are known."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+
+@dataclass(frozen=True)
+class Centre(Unknown):
+    """A centre of a sphere in a loop over a SpherePack, all of which are between these ends."""
+
+    ends: tuple[Ends | None, ...] = (None,)
+
+
+# --- numbers drawn at random ------------------------------------------------------------------------------------
+
+
+def draw(name: str, owner: Any, instance: Instance) -> Drawn | None:
+    """The value of a function of random numbers; None for other functions."""
+    arguments, module = instance.arguments, owner.rpartition(".")[2] if isinstance(owner, str) else ""
+    generator = isinstance(owner, Instance) and owner.name in GENERATORS
+    if not (owner is None or generator or module in ("random", "pylab")):
+        return None
+    if name in UNIT and not arguments and not instance.attributes:
+        return Drawn(instance.text, 0.0, 1.0)
+    number = 3 if name == "randrange" and len(arguments) == 3 else 2
+    if (
+        name in BETWEEN
+        and len(arguments) == number
+        and all(map(is_number, arguments))
+        and not instance.attributes
+    ):
+        return Drawn(instance.text, *sorted(map(float, arguments[:2])))
+    if name in ANY:
+        return Drawn(instance.text)
+    return None
+
+
+def span(value: Any) -> Range | None:
+    """The ends of a number; None if they are not known."""
+    if isinstance(value, Drawn):
+        return value.low, value.high
+    return (float(value), float(value)) if is_number(value) else None
+
+
+def computed(left: Any, sign: ast.operator, right: Any, text: str) -> Any:
+    """The value of an operation with what is drawn, with centres, predicates or bodies; None for others."""
+    if isinstance(left, Drawn) or isinstance(right, Drawn):
+        first, second, of = span(left), span(right), OPERATORS.get(type(sign))
+        if first is None or second is None or of is None:
+            return None
+        if of is operator.truediv and second[0] <= 0.0 <= second[1]:
+            return None
+        values = [of(a, b) for a, b in product(first, second)]
+        known = not any(map(math.isnan, values))
+        return Drawn(text, min(values), max(values)) if known else Drawn(text)
+    if isinstance(left, Centre) and isinstance(sign, ast.Add | ast.Sub):
+        by = vector(right)
+        turned = 1.0 if isinstance(sign, ast.Add) else -1.0
+        return None if by is None else Centre(text, tuple(shifted(ends, by, turned) for ends in left.ends))
+    if isinstance(left, Instance) and isinstance(right, Instance) and is_space(left) and is_space(right):
+        return Instance("space", (), {"ends": both(left, sign, right)}, left.line, text)
+    return None
+
+
+def shifted(ends: Ends | None, by: Sequence[float], sign: float = 1.0) -> Ends | None:
+    """Ends moved by a vector."""
+    if ends is None:
+        return None
+    low, high = (tuple(x + sign * d for x, d in zip(end, by, strict=True)) for end in ends)
+    return low, high
+
+
+# --- predicates and surfaces ------------------------------------------------------------------------------------
+
+
+def is_space(instance: Instance) -> bool:
+    """Whether this is a predicate."""
+    return instance.name == "space" or re.match(r"(in|notIn)[A-Z]", instance.name) is not None
+
+
+def both(left: Instance, sign: ast.operator, right: Instance) -> Ends | None:
+    """The ends of a difference, an intersection or a union of predicates; None if they are not known."""
+    ends = ends_of_space(left), ends_of_space(right)
+    if isinstance(sign, ast.Sub):
+        return ends[0]
+    if isinstance(sign, ast.BitAnd):
+        return common(*ends)
+    return None if ends[0] is None or ends[1] is None else union([ends[0], ends[1]])
+
+
+def common(first: Ends | None, second: Ends | None) -> Ends | None:
+    """What two spaces have in common; of an unknown one, all of the other."""
+    if first is None or second is None:
+        return first or second
+    low = tuple(map(max, first[0], second[0]))
+    return low, tuple(map(max, low, map(min, first[1], second[1])))
+
+
+def ends_of_space(space: Any) -> Ends | None:
+    """The ends of a predicate or a surface; None if they are not known."""
+    if not isinstance(space, Instance):
+        return None
+    if "ends" in space.attributes:
+        return space.attributes["ends"]  # type: ignore[no-any-return]
+    name, at = space.name, [vector(argument) for argument in space.arguments]
+    first = at[0] if at else None
+    if name == "inAlignedBox":
+        low, high = (vector(space.argument(k, word)) for k, word in enumerate(("minAABB", "maxAABB")))
+        return None if low is None or high is None else (low, high)
+    if name == "inSphere":
+        return box_around(space.argument(0, "center"), (space.argument(1, "radius"),) * 3)
+    if name == "inEllipsoid":
+        return box_around(space.argument(0, "centerPoint"), space.argument(1, "abc"))
+    if name in ("inCylinder", "inHyperboloid"):
+        radius = space.argument(2, "radius")
+        caps = [box_around(space.argument(k, word), (radius,) * 3) for k, word in enumerate(CAPS)]
+        return union([cap for cap in caps if cap is not None]) if None not in caps else None
+    if name == "inParallelepiped" and first is not None and len(at) == 4 and None not in at:
+        edges = [tuple(b - a for a, b in zip(first, end, strict=True)) for end in at[1:] if end is not None]
+        corners = [
+            tuple(
+                first[k] + sum(on * edge[k] for on, edge in zip(each, edges, strict=True)) for k in range(3)
+            )
+            for each in product((0, 1), repeat=3)
+        ]
+        return ends_of_points(corners)
+    if name == "inGtsSurface":
+        return ends_of_space(space.argument(0, "surface"))
+    if name == "sweptPolylines2gtsSurface":
+        return ends_of_points(points_in(space.argument(0, "pts")))
+    return None
+
+
+def points_in(values: Any) -> Iterable[Any]:
+    """The points in nested lists."""
+    for value in values if isinstance(values, list | tuple) else [None]:
+        if isinstance(value, list | tuple) and value and all(isinstance(x, list | tuple) for x in value):
+            yield from points_in(value)
+        else:
+            yield vector(value)
+
+
+def ends_of_points(points: Iterable[Any]) -> Ends | None:
+    """The ends of points; None if one of them is not known."""
+    pairs = [None if point is None else (point, point) for point in points]
+    known = [pair for pair in pairs if pair is not None]
+    return union(known) if known and len(known) == len(pairs) else None
+
+
+def moved(space: Instance, name: str, instance: Instance) -> None:
+    """A method of a surface, which may move it."""
+    if name in UNMOVED:
+        return
+    by = vector(instance.arguments if len(instance.arguments) == 3 else instance.argument(0, "translation"))
+    ends = ends_of_space(space)
+    space.attributes["ends"] = shifted(ends, by) if name == "translate" and by is not None else None
+
+
+def around_ball(ends: Ends, centre: Sequence[float] | None = None) -> Ends:
+    """The box around all that what is between these ends may reach if it is turned, about its middle by default."""
+    middle = tuple(0.5 * (a + b) for a, b in zip(*ends, strict=True)) if centre is None else tuple(centre)
+    corners = product(*zip(*ends, strict=True))
+    radius = max(math.dist(corner, middle) for corner in corners)
+    turned = box_around(middle, (radius,) * 3)
+    return ends if turned is None else turned
+
+
+# --- facets and meshes ------------------------------------------------------------------------------------------
+
+
+def ends_of_facets(instance: Instance, folder: Path | None) -> Ends | None:
+    """The ends of facets that a function makes or reads from a file; None if they are not known."""
+    name, centre = instance.name, vector(instance.argument(0, "center"))
+    if name == "gtsSurface2Facets":
+        return ends_of_space(instance.argument(0, "surf"))
+    if name in ("stl", "gmsh"):
+        return ends_of_mesh(instance, folder)
+
+    def number(place: int, word: str, default: float | None = None) -> float:
+        value = instance.argument(place, word, default)
+        return float(value) if is_number(value) else math.inf
+
+    radius = height = math.inf
+    bottom = 0.0
+    if name in ("facetBox", "facetParallelepiped", "box"):
+        half = vector(instance.argument(1, "extents"))
+        ends, turn = box_around((0.0,) * 3, half), turn_of(instance)
+        if ends is None or centre is None:
+            return None
+        if turn is None or name == "facetParallelepiped":
+            return shifted(around_ball(ends), centre)
+        return shifted(ends_of_rows(np.array([*product(*zip(*ends, strict=True))]) @ turn.T), centre)
+    if name == "facetSphere":
+        radius = number(1, "radius")
+        height, bottom = 2.0 * radius, -radius
+    elif name == "facetCylinder":
+        radius, height = number(1, "radius"), number(2, "height")
+        bottom = -0.5 * height
+    elif name == "facetCone":
+        radius, height = max(number(1, "radiusTop"), number(2, "radiusBottom")), number(3, "height")
+        bottom = -0.5 * height
+    elif name == "facetBunker":
+        radius = 0.5 * max(number(1, "dBunker"), number(2, "dOutput"))
+        height = number(3, "hBunker") + number(4, "hOutput") + number(5, "hPipe", 0.0)
+    if centre is None or not abs(radius) + abs(height) < LARGEST:
+        return None
+    turn = turn_of(instance)
+    if turn is None:
+        box = (-radius, -radius, bottom), (radius, radius, bottom + height)
+        return shifted(around_ball(box, (0.0,) * 3), centre)
+    wide = radius * np.sqrt(np.maximum(1.0 - turn[:, 2] ** 2, 0.0))  # of a disk across the turned axis z
+    rims = [turn[:, 2] * z + sign * wide for z in (bottom, bottom + height) for sign in (-1.0, 1.0)]
+    return shifted(ends_of_rows(np.array(rims)), centre)
+
+
+def turn_of(instance: Instance) -> np.ndarray | None:
+    """The matrix of ``orientation=Quaternion(axis, angle)``, also of its arguments in turn; None if it is not known."""
+    turned = instance.attributes.get("orientation")
+    if turned is None:
+        placed = [each for each in instance.arguments[2:] if isinstance(each, Instance | Unknown)]
+        return None if placed else np.eye(3)
+    arguments = turned.arguments if isinstance(turned, Instance) and turned.name == "Quaternion" else ()
+    axes, angles = [vector(each) for each in arguments], [each for each in arguments if is_number(each)]
+    axis = next((np.array(each) for each in axes if each is not None and any(each)), None)
+    if len(arguments) != 2 or axis is None or len(angles) != 1:
+        return None
+    length = float(np.linalg.norm(axis))
+    x, y, z = axis / length
+    # YADE makes a quaternion of unit length from (cos α/2, axis sin α/2), whatever the length of the axis.
+    angle = 2.0 * math.atan2(length * math.sin(0.5 * angles[0]), math.cos(0.5 * angles[0]))
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
+
+
+def ends_of_rows(points: np.ndarray) -> Ends:
+    """The ends of points in rows."""
+    return tuple(map(float, points.min(axis=0))), tuple(map(float, points.max(axis=0)))
+
+
+def ends_of_mesh(instance: Instance, folder: Path | None) -> Ends | None:
+    """The ends of a mesh in a file beside the script; None if it is not there, or not understood."""
+    name = instance.argument(0, "file" if instance.name == "stl" else "meshfile")
+    scale, by = (
+        instance.attributes.get("scale", 1.0),
+        vector(instance.attributes.get("shift", (0.0, 0.0, 0.0))),
+    )
+    placed = len(instance.arguments) == 1 or not instance.arguments
+    if folder is None or not isinstance(name, str) or not is_number(scale) or by is None or not placed:
+        return None
+    points = vertices(folder / name, instance.name)
+    if points is None or not len(points) or not np.isfinite(points).all():
+        return None
+    turn = turn_of(instance)
+    if turn is None:
+        return shifted(around_ball(ends_of_rows(scale * points), (0.0,) * 3), by)
+    return shifted(ends_of_rows(scale * points @ turn.T), by)
+
+
+def vertices(path: Path, kind: str) -> np.ndarray | None:
+    """The vertices in a file of STL (text or binary) or GMSH's ``.mesh``; None if it cannot be read."""
+    try:
+        if kind == "stl" and path.is_file() and path.stat().st_size <= LARGEST_FILE:
+            data = path.read_bytes()
+            number = int.from_bytes(data[STL_HEADER - 4 : STL_HEADER], "little")
+            if len(data) >= STL_HEADER + number * TRIANGLE.itemsize and not CORNER.search(
+                data.decode("latin-1")
+            ):
+                triangles = np.frombuffer(data, TRIANGLE, number, STL_HEADER)
+                return triangles["numbers"][:, 3:].reshape(-1, 3).astype(float)
+        lines = (text_of(path) or "").splitlines()
+        if kind == "stl":
+            rows = [line.split()[1:4] for line in lines if CORNER.match(line)]
+        else:
+            start = next(k for k, line in enumerate(lines) if line.split() == ["Vertices"]) + 2
+            rows = [line.split()[:3] for line in lines[start : start + int(lines[start - 1])]]
+        return np.array(rows, float).reshape(-1, 3)
+    except (OSError, ValueError, IndexError, StopIteration):
+        return None
