@@ -91,7 +91,7 @@ class Options:
     drive: drive.Drive | None = None
     restitution_error: float = DEFAULT_ERROR
     load: loads.LoadOptions = NO_LOAD
-    given: Supplied = NOTHING
+    supplied: Supplied = NOTHING
 
 
 def check(
@@ -518,7 +518,7 @@ def _refuse_empty(script: Description) -> None:
 
 def _of_script(script: Description, options: Options, frames: Sequence[dumps.Frame] = ()) -> Verdict:
     _refuse_empty(script)
-    script = completed(_with_sizes(script, frames), options.given)
+    script = completed(_with_sizes(script, frames), options.supplied)
     stages = script.stages or (NO_RUN,)
     kinds, last = _kinds(stages), stages[-1]
     contacts, remarks = cases.of_script(script, kinds[: len(script.stages)])
@@ -1136,7 +1136,9 @@ def _of_law(
     supposed = question is None  # a ball, and a wall that need not be there
     if question is None:
         source = options.drive
-        question = answer.Question(source.quantity, drive_option=source.option) if source else answer.Question()
+        question = (
+            answer.Question(source.quantity, drive_option=source.option) if source else answer.Question()
+        )
     contacts = cases.of_law(balls, law, walls, step)
     radii = {str(k): ball.radius for k, ball in enumerate(balls, 1)}
     densities = {str(k): ball.density for k, ball in enumerate(balls, 1)}

@@ -9,8 +9,8 @@
 //
 // With friction the spins and what the surfaces of each pair keep (surfaces.hpp) are components too, also under a
 // linear law, and the begins of slip and stick are events. Steps in which a direction of slip relaxes quickly are
-// implicit in it (slip_step.hpp). While a single pair of bodies under a linear law is in contact, steps are power series
-// (turning_step.hpp).
+// implicit in it (slip_step.hpp). While a single pair of bodies under a linear law is in contact, steps are power
+// series (turning_step.hpp).
 #pragma once
 #include <algorithm>
 #include <limits>

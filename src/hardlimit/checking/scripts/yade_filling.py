@@ -68,19 +68,19 @@ class YadeFilling:
         self,
         contents: Contents,
         down: Direction,
-        made: Sequence[Ends | None],
+        sources: Sequence[Ends | None],
         turning: Direction | None,
         moving: bool,
     ) -> Contents:
         """With the area on which the spheres lie, and the height above which none of them comes to rest.
 
-        ``made``: where factories make spheres. ``turning``: the axis about which walls turn across gravity.
+        ``sources``: where factories make spheres. ``turning``: the axis about which walls turn across gravity.
         ``moving``: whether they move or turn.
         """
         cell = self.cell if self.periodic else None
         if self.periodic and (cell is None or len(cell) != 3):
             return contents
-        container = replace(self.container, spheres=[*self.container.spheres, *made])
+        container = replace(self.container, spheres=[*self.container.spheres, *sources])
         floor = None if moving else container.floor(down, cell)
         height = container.height(down, cell) if turning is None else container.turned(turning)
         if height is None or (cell is not None and floor is None and not container.based(down, cell)):

@@ -122,7 +122,7 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
         contents = replace(contents, count=None, filled=None)
     if scene.elsewhere or stage.down is None or not has_own_weight(scene, script, stage.down):
         return contents
-    made = [ends_of_factory(factory) for factory in factories]
+    sources = [ends_of_factory(factory) for factory in factories]
     turning = [
         vector(engine.attributes.get("rotationAxis", X_AXIS)) for engine in scene.used("RotationEngine")
     ]
@@ -131,7 +131,7 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
         return contents
     moving = any(velocity is not None and any(velocity) for velocity in scene.filling.container.moves)
     moving = moving or any(scene.used(name) for name in ACROSS)
-    return scene.filling.bed(contents, stage.down, made, next(iter(across), None), moving)
+    return scene.filling.bed(contents, stage.down, sources, next(iter(across), None), moving)
 
 
 def is_along(axis: Direction, down: Direction) -> bool:
