@@ -14,20 +14,20 @@ class TurningStep final : public StepSeries {
 public:
     // The pair, or −1 if the present contacts need another method.
     static int pair_of(const ContactNetwork<Law>& network) {
-        int found = -1;
+        int only = -1;
         for (int i = 0; i < static_cast<int>(network.pairs.size()); ++i) {
             if (network.pairs[i].state != ContactState::closed) continue;
-            if (found >= 0) return -1;
-            found = i;
+            if (only >= 0) return -1;
+            only = i;
         }
-        if (found < 0) return -1;
-        const ContactPair<Law>& q = network.pairs[found];
+        if (only < 0) return -1;
+        const ContactPair<Law>& q = network.pairs[only];
         const FrictionTerms& f = q.law.friction;
         // Otherwise T may follow its limit without slip.
         const bool limited = f.limit == SlipLimit::total || f.damping.factor == 0.0;
         const bool applies = q.second >= 0 && !q.image_moves && f.coefficient > 0.0 && limited &&
                              TurningSeries<Normal>::applies(f);
-        return applies ? found : -1;
+        return applies ? only : -1;
     }
 
     TurningStep(const ContactNetwork<Law>& network, const StateVector& state, int pair, double precision)

@@ -1,4 +1,4 @@
-"""The area of a mesh in a file of the STL format, ASCII or binary."""
+"""Meshes in files of the STL format, ASCII or binary: their corners and area."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def read(path: Path) -> Triangles | None:
             return None
         content = path.read_bytes()
         count = int.from_bytes(content[80:HEADER], "little")
-        if count and len(content) == HEADER + count * BINARY.itemsize:
+        if count and len(content) >= HEADER + count * BINARY.itemsize and not VERTEX.search(content):
             corners = np.frombuffer(content, BINARY, count, HEADER)["corners"].astype(float)
         else:
             corners = np.array(VERTEX.findall(content)).astype(float).reshape(-1, 3, 3)
@@ -42,10 +42,9 @@ def area_across(corners: Triangles, along: int) -> float:
 
 
 def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:
-    """Triangles turned about an axis through the origin (Rodrigues)."""
-    unit = np.array(axis) / math.hypot(*axis)
-    angle = math.radians(degrees)
-    across = np.cross(unit, corners)
-    along = (corners @ unit)[..., None] * unit
-    turned: Triangles = corners * math.cos(angle) + across * math.sin(angle) + along * (1.0 - math.cos(angle))
+    """Triangles turned about an axis through the origin."""
+    from scipy.spatial.transform import Rotation  # which other uses must not wait for
+
+    turn = Rotation.from_rotvec(np.array(axis) * (math.radians(degrees) / math.hypot(*axis)))
+    turned: Triangles = corners @ turn.as_matrix().T
     return turned

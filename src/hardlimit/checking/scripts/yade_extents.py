@@ -18,7 +18,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from .commands import LARGEST_FILE, text_of
+from . import meshes
+from .commands import text_of
 from .description import Range
 from .python import Instance, Unknown
 from .yade_container import LARGEST, Ends, box_around, is_number, union, vector
@@ -37,11 +38,8 @@ OPERATORS: Final[dict[type, Callable[[float, float], float]]] = {
 UNMOVED: Final = ("is_closed", "aabb", "dim", "center", "volume", "write", "coarsen")
 #: Objects that draw numbers at random.
 GENERATORS: Final = ("default_rng", "Random", "RandomState")
-#: Sizes of a binary STL file: of its header, and of a triangle, whose corners are numbers 3 to 11.
-STL_HEADER, TRIANGLE = 84, np.dtype([("numbers", "<f4", 12), ("attribute", "<u2")])
 #: Arguments of cylindrical predicates.
 CAPS: Final = ("centerBottom", "centerTop")
-CORNER: Final = re.compile(r"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -272,12 +270,11 @@ def turn_of(instance: Instance) -> np.ndarray | None:
     axis = next((np.array(each) for each in axes if each is not None and any(each)), None)
     if len(arguments) != 2 or axis is None or len(angles) != 1:
         return None
-    length = float(np.linalg.norm(axis))
-    x, y, z = axis / length
+    from scipy.spatial.transform import Rotation  # which other uses must not wait for
+
     # YADE makes a quaternion of unit length from (cos α/2, axis sin α/2), whatever the length of the axis.
-    angle = 2.0 * math.atan2(length * math.sin(0.5 * angles[0]), math.cos(0.5 * angles[0]))
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
+    half = 0.5 * angles[0]
+    return np.asarray(Rotation.from_quat([*(math.sin(half) * axis), math.cos(half)]).as_matrix())
 
 
 def ends_of_rows(points: np.ndarray) -> Ends:
@@ -305,22 +302,14 @@ def ends_of_mesh(instance: Instance, folder: Path | None) -> Ends | None:
 
 
 def vertices(path: Path, kind: str) -> np.ndarray | None:
-    """The vertices in a file of STL (text or binary) or GMSH's ``.mesh``; None if it cannot be read."""
+    """The vertices in a file of STL or GMSH's ``.mesh``; None if it cannot be read."""
+    if kind == "stl":
+        corners = meshes.read(path)
+        return None if corners is None else corners.reshape(-1, 3)
     try:
-        if kind == "stl" and path.is_file() and path.stat().st_size <= LARGEST_FILE:
-            data = path.read_bytes()
-            number = int.from_bytes(data[STL_HEADER - 4 : STL_HEADER], "little")
-            if len(data) >= STL_HEADER + number * TRIANGLE.itemsize and not CORNER.search(
-                data.decode("latin-1")
-            ):
-                triangles = np.frombuffer(data, TRIANGLE, number, STL_HEADER)
-                return triangles["numbers"][:, 3:].reshape(-1, 3).astype(float)
         lines = (text_of(path) or "").splitlines()
-        if kind == "stl":
-            rows = [line.split()[1:4] for line in lines if CORNER.match(line)]
-        else:
-            start = next(k for k, line in enumerate(lines) if line.split() == ["Vertices"]) + 2
-            rows = [line.split()[:3] for line in lines[start : start + int(lines[start - 1])]]
+        start = next(k for k, line in enumerate(lines) if line.split() == ["Vertices"]) + 2
+        rows = [line.split()[:3] for line in lines[start : start + int(lines[start - 1])]]
         return np.array(rows, float).reshape(-1, 3)
-    except (OSError, ValueError, IndexError, StopIteration):
+    except (ValueError, IndexError, StopIteration):
         return None
