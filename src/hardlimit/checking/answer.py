@@ -213,9 +213,7 @@ def _not_known(missing: Sequence[str], question: Question) -> str:
     if missing:
         are = "is" if list(missing) == ["packing"] else "are"
         pressure = "; --pressure gives the inertial number" * question.may_be_dense
-        return (
-            f"{listed(missing)} {are} not known{given_by(missing, question.dumped, question.drive_option)}{pressure}"
-        )
+        return f"{listed(missing)} {are} not known{given_by(missing, question.dumped, question.drive_option)}{pressure}"
     if question.quantity == "cooling":
         return "the error is not known for so dense a packing"
     return f"{ERROR_OF[question.quantity]} is not known for these grains and this packing"
