@@ -1415,7 +1415,7 @@ def test_with_friction_an_answer_has_its_number_or_cannot_be_said(
         assert verdict.admissible is (
             False if stuck or (known > 0.3 and "speeds" not in verdict.missing) else None
         )
-        said = "rub (μ = " in verdict.sentence or "not known (give" in verdict.sentence
+        said = "rub (μ = " in verdict.sentence or "not known (" in verdict.sentence
         assert stuck or known > 0.3 or verdict.unknown or said
     elif not wall and code in ("linear", "plain"):
         smooth = re.sub(
