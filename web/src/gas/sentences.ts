@@ -151,7 +151,7 @@ const outsidePacking = ({ start: { setting, measured } }: Facts): boolean =>
 const measuredWithFriction: Record<string, string> = {
   μ: "at μ up to 1",
   ρ: "at tangential stiffnesses from 0.33 to 1.17 of the normal one",
-  ε: "at ε from 0.7 to 0.95",
+  ε: "at ε from 0.7 to 0.99",
 };
 
 const collapse = 4; // outcome
@@ -251,7 +251,8 @@ const tables: Record<string, Row<Facts>[]> = {
     ],
     [
       "restitution",
-      ({ start: { setting, measured, known } }) => known && setting.restitution < measured.restitution,
+      ({ start: { setting, measured, known, outside } }) =>
+        known && setting.restitution < measured.restitution && !outside.includes("ε"),
       (_, { phi, low }) => `The law was measured at ε from ${low} on; at ${phi} it is a guess.`,
       ({ start: { setting, measured } }) => ({ phi: setting.restitution, low: measured.restitution }),
     ],
