@@ -137,7 +137,7 @@ def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | N
     words = fix.words
     last = max(
         k for k, word in enumerate(words) if word == "axis"
-    )  # before it, a mesh may be rotated about another
+    )  # a mesh may be rotated about another before
     normal = [state.coefficient(word) for word in words[last + 1 :][:3]]
     along = [k for k, part in enumerate(normal) if part]
     if len(along) != 1 or None in normal or len(normal) < 3:
@@ -164,7 +164,7 @@ def _area_of_mesh(state: State, words: Sequence[str], along: int) -> float | Non
         at = words.index("rotate")
         numbers = [state.coefficient(word) for word in (*words[at + 2 : at + 5], *words[at + 6 : at + 7])]
         known = [number for number in numbers if number is not None]
-        if len(known) < 4 or not any(known[:3]) or words[at + 5] != "angle":
+        if len(known) < 4 or not any(known[:3]) or "angle" not in words[at + 5 : at + 6]:
             return None
         corners = meshes.rotated(corners, known[:3], known[3])
     return scale * scale * meshes.area_across(corners, along)
