@@ -239,7 +239,7 @@ def differences(first, second, dimension, scales=(1.0, 1.0, 1.0)):
             same = value == other
         elif name.startswith("steps_"):  # whole ones
             same = abs(value - other) <= 1
-        else:  # sizes of a mixture are told apart to six digits
+        else:  # check merges sizes of a mixture that agree to six digits
             same = value / scale == pytest.approx(other, rel=1e-5, abs=1e-9 if scale == 1.0 else 0.0)
         if not same:
             yield "/".join(path), value, other

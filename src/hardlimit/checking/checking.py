@@ -42,6 +42,7 @@ from .result import CheckedStage, Finding, Inferred, Verdict
 from .scripts import Bath, Description, Grains, Note, Quote, Stage
 from .scripts import read as read_script
 from .scripts.clumps import STYLE as MULTISPHERE
+from .scripts.description import FEW
 from .supplied import NOTHING, SCALES, Supplied, completed, supplied
 
 NO_RUN: Final = Stage(
@@ -987,7 +988,7 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     """The state of few grains, or of a gas of unknown packing or speed, with numbers of contacts, in SI units."""
     stage, loaded = final.last, final.options.load.rests or final.options.drive
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
-    many = count is None or count > few.FEW
+    many = count is None or count > FEW
     if many and stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
         return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
@@ -999,7 +1000,7 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
-    if count is not None and 0 <= count <= few.FEW:
+    if count is not None and 0 <= count <= FEW:
         state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
     elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
         state = few.in_gas(grains, around.cases, final.gas, speed, not speeds)

@@ -11,8 +11,6 @@ from ..convert.force import AdhesiveForce
 from .at_rest import GrainState, Springs, springs_of, stable_step
 from .contacts import Case, Surroundings, collision_of
 
-#: Most grains that are judged as single contacts.
-FEW: Final = 2
 #: Packing fraction of a gas whose own is not known.
 SUPPOSED_PACKING: Final = 0.1
 

@@ -18,14 +18,12 @@ from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
 from .contacts import Body, Case
 from .drive import Support
 from .scripts import Stage
-from .scripts.description import WALL, Contents
+from .scripts.description import FEW, WALL, Contents
 from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
-#: Fewest grains that make a bed.
-SMALLEST_BED: Final = 3
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -193,7 +191,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         full = _height(stage)
         if full is None or contents.filled / contents.floor <= phi * full:
             return {"pressure": pressure, "origin": origin, "weight": True, "bound": contents.walled}
-    if options.height is None and contents.count is not None and contents.count < SMALLEST_BED:
+    if options.height is None and contents.count is not None and contents.count <= FEW:
         return {}
     edge = _height(stage) or contents.height
     height = edge if options.height is None else options.height

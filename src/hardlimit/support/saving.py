@@ -215,13 +215,10 @@ def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
 
     A DataTree would leave out the coordinates that a group shares with the root, and with them the ``time`` of a log.
     """
-    import h5netcdf
-    from xarray.backends import H5NetCDFStore
-
     content = io.BytesIO()
-    with h5netcdf.File(content, "w") as file:  # opened once: each opening reads all groups before
-        for name in sorted(data):  # the root first
-            data[name].dump_to_store(H5NetCDFStore(file if name == "/" else file.create_group(name)))
+    for name in sorted(data):  # the root first
+        data[name].to_netcdf(content, "a" if content.tell() else "w", group=name, engine="h5netcdf")
+        content.seek(0, io.SEEK_END)
     return write(path, content.getbuffer())
 
 

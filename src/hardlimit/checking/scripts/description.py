@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 from ...convert.tangential import Tangential
 
+#: Most grains that are judged as single contacts; more of them make a bed.
+FEW = 2
 #: Second type of a contact with a wall.
 WALL = "wall"
 

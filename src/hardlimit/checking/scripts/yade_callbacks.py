@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import textwrap
+from collections.abc import Collection
 from typing import Final
 
 from .python import Evaluator
@@ -41,28 +42,25 @@ PLACED: Final = ("vel", "angVel", "pos", "ori", "velGrad", "trsf")
 
 def touches(part: ast.AST) -> bool:
     """Whether statements change contacts, bodies, engines or the time step."""
-    for node in ast.walk(part):
-        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-        if any(isinstance(each, ast.Attribute) and each.attr in CHANGING - {"dead"} for each in targets):
-            return True
-        if isinstance(node, ast.Call):
-            owner, _, name = ast.unparse(node.func).rpartition(".")
-            if name in TOUCHING or name in HIDDEN or owner.endswith((".bodies", ".materials")):
-                return True
-    return False
+    return _changes(part, CHANGING - {"dead"}, (".bodies", ".materials"), frozenset())
 
 
 def fills(part: ast.AST) -> bool:
     """Whether statements change which bodies there are, their masses, or what pulls them, not only their contacts."""
+    return _changes(part, OF_BEDS, (".bodies",), frozenset({"setContactFriction", "erase"}))
+
+
+def _changes(
+    part: ast.AST, attributes: Collection[str], owners: tuple[str, ...], harmless: Collection[str]
+) -> bool:
+    """Whether statements set one of these attributes, or call what may, such as a method of these owners."""
     for node in ast.walk(part):
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-        if any(isinstance(each, ast.Attribute) and each.attr in OF_BEDS for each in targets):
+        if any(isinstance(each, ast.Attribute) and each.attr in attributes for each in targets):
             return True
         if isinstance(node, ast.Call):
             owner, _, name = ast.unparse(node.func).rpartition(".")
-            if name in TOUCHING - {"setContactFriction"} or name in HIDDEN:
-                return True
-            if owner.endswith(".bodies") and name != "erase":
+            if name not in harmless and (name in TOUCHING or name in HIDDEN or owner.endswith(owners)):
                 return True
     return False
 

@@ -203,7 +203,7 @@ def moved(space: Instance, name: str, instance: Instance) -> None:
 
 
 def around_ball(ends: Ends, centre: Sequence[float] | None = None) -> Ends:
-    """The box around all that what is between these ends may reach if it is turned, about its middle by default."""
+    """The box around what is between these ends, however it is turned about a centre, by default its middle."""
     middle = tuple(0.5 * (a + b) for a, b in zip(*ends, strict=True)) if centre is None else tuple(centre)
     corners = product(*zip(*ends, strict=True))
     radius = max(math.dist(corner, middle) for corner in corners)

@@ -10,13 +10,11 @@ from typing import Any, Final
 
 from . import census
 from .commands import text_of
-from .description import Contents, Direction, Lot, Range, Speed, Stage
+from .description import FEW, Contents, Direction, Lot, Range, Speed, Stage
 from .python import Instance, flat
 from .yade_container import Container, Ends, axis_of, box_around, is_number, union, vector
 from .yade_extents import ends_of_space, shifted, span
 
-#: Fewest spheres in one stack that are taken as a bed.
-PILE: Final = 3
 #: Packing fractions of packings: of lattices without gaps, and of random ones that were pressed together.
 REGULAR: Final = ("regularHexa", "regularOrtho")
 DENSITIES: Final = {
@@ -60,7 +58,7 @@ class YadeFilling:
         for lot in self.fixed:
             lots.remove(lot)
         moving = replace(self.census, lots=lots)
-        if not self.fixed or contents.count is None or moving.count is None or moving.count < PILE:
+        if not self.fixed or contents.count is None or moving.count is None or moving.count <= FEW:
             return contents
         return replace(contents, count=moving.count, filled=moving.filled(3), lots=moving.known)
 
@@ -91,7 +89,7 @@ class YadeFilling:
             source = "across the circle in which walls turn"
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
-            if contents.count * diameter < height and contents.count < PILE:
+            if contents.count * diameter < height and contents.count <= FEW:
                 return contents
             if contents.count * diameter < height:
                 height, source = contents.count * diameter, "of spheres in one stack"

@@ -49,13 +49,6 @@ FORCES: Final = {
     "ForceEngine": "an additional force",
     "Centrifugal": "an additional force",
 }
-
-
-def force_of(engine: str) -> str:
-    """What force an engine adds beside contacts, in words; empty if it adds none."""
-    return next((what for sign, what in FORCES.items() if sign in engine), "")
-
-
 #: Those of a fluid, which carries a part of the weight.
 FLUIDS: Final = ("", "drag of a fluid", "a fluid", "buoyancy")
 #: Engines that prescribe a stress or a strain of all grains.
@@ -74,6 +67,11 @@ ForceResetter InsertionSortCollider SpatialQuickSortCollider FlatGridCollider In
 PeriodicPythonRunner PeriodicEngine DomainLimiter SnapshotEngine BoxFactory CircularFactory GravityEngine
 GlobalStiffnessTimeStepper ResetRandomPosition IntrCallback ParallelEngine BoundDispatcher
 """)
+
+
+def force_of(engine: str) -> str:
+    """What force an engine adds beside contacts, in words; empty if it adds none."""
+    return next((what for sign, what in FORCES.items() if sign in engine), "")
 
 
 def notes(scene: Scene, script: Evaluator) -> None:
@@ -177,7 +175,7 @@ def flip_note(scene: Scene, script: Evaluator, stage: Stage) -> None:
     """A periodic cell that is sheared on and on, which YADE refuses once its spheres span half of a side.
 
     The box around a sphere grows with the inclination of the cell; 2023.02a stops with ``Body larger than half of the
-    cell size encountered``, seen at a strain of 2.3 in a cell that is seven diameters wide.
+    cell size encountered``, seen between strains of 2.0 and 2.5 in a cell that is seven diameters wide.
     """
     if not stage.shear_rate or scene.strain is None or any(word in script.text for word in FLIPPED):
         return
