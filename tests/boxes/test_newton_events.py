@@ -1017,3 +1017,15 @@ def test_a_box_where_images_meet_is_refused() -> None:
     system = hl.ParticleSystem([[1e-3, 1e-3]], [[1.0, 0.0]], radius=1e-3, density=2500.0, box=[4.1e-3, 0.1])
     with pytest.raises(ValueError, match=r"box: got 0\.0041 m along x \(periodic\), must be >= 0\.0042"):
         by_events(system, law=LAWS[0], until=1e-3)
+
+
+def test_a_sphere_in_hardly_any_gravity_does_not_touch_the_floor() -> None:
+    """2 g h underflows, the time of the fall does not."""
+    system = hl.ParticleSystem(
+        [[0.5, 0.5, 0.1 * (1.0 + 1e-8)]], [[0.0, 0.0, 0.0]], 0.1, mass=1.0, box=1.0,
+        boundary=["periodic", "periodic", "wall"], gravity=[0.0, 0.0, -1e-316],
+    )  # fmt: skip
+    law = hl.LinearDashpot(stiffness=100.0, restitution=0.9)
+    run = hl.molecular_dynamics(system, law=law, until=1.0, engine="events")
+    assert (run.outcome_name, run.n_contacts) == ("ok", 0)
+    np.testing.assert_array_equal(run.system.positions, system.positions)
