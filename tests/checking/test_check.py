@@ -19,7 +19,8 @@ from command_line import printed, refused, run
 from conftest import draws, log_floats, slow
 from hardlimit.boxes import theory
 from hardlimit.boxes.error_law import error_law
-from hardlimit.checking import checking
+from hardlimit.checking.options import Options
+from hardlimit.checking.script_check import checked_script
 from hardlimit.checking.scripts import ContactSettings, Description, Grains, Note, Quote, Setting, Stage
 from hardlimit.cli.check import cells, corrections
 from hardlimit.support.formatting import listed
@@ -29,7 +30,7 @@ DATA = Path(__file__).parent / "data"
 NUMBERS = (
     "--radius 1mm --density 2500 --stiffness 1e5 --restitution 0.9 --speed 0.3m/s --packing-fraction 0.3"
 )
-NONE = checking.Options(None, (), None, {})
+NONE = Options(None, (), None, {})
 
 
 def script(
@@ -76,7 +77,7 @@ def described(units="lj", **changed) -> Description:
 
 def test_one_damping_for_all_sizes_gives_several_restitutions():
     """Numbers of LAMMPS' own example of a mixer, with the natural logarithm in its formula for the damping."""
-    verdict = checking._of_script(described(), checking.Options(None, (1.0,), None, {}))
+    verdict = checked_script(described(), Options(None, (1.0,), None, {}))
     assert [round(row.restitution, 3) for row in verdict.rows] == [0.805, 0.428, 0.688, 0.224]
     assert [float(f"{row.duration:.3g}") for row in verdict.rows] == [0.0153, 0.0337, 0.0179, 0.0445]
     assert [row.steps_per_contact for row in verdict.rows] == [323, 713, 379, 941]
@@ -218,8 +219,8 @@ def test_numerical_damping_is_part_of_the_restitution():
     stage = Stage(
         quote, 1e-6, True, None, (pair,), {"a": Grains("a", (1e-3, 1e-3), (2500.0, 2500.0))}, None, 0.2
     )
-    verdict = checking._of_script(
-        described(code="yade", units="si", stages=(stage,)), checking.Options(None, (0.5,), None, {})
+    verdict = checked_script(
+        described(code="yade", units="si", stages=(stage,)), Options(None, (0.5,), None, {})
     ).rows[0]
     assert verdict.restitution == pytest.approx(math.sqrt(0.8 / 1.2), abs=1e-9)
     assert verdict.types == ("a", "a")
@@ -290,7 +291,7 @@ def test_versions_of_a_code_differ():
     words = {"normal": Setting(("hooke", "1e5", "0.6"), 1, ""), "damping": Setting(("tsuji",), 1, "")}
     stage = Stage(quote, 1e-7, True, 1, (ContactSettings(("1", "1"), None, words, (quote,)),), {}, None, None)
     verdicts = {
-        version: checking._of_script(described(version=version, units="si", stages=(stage,)), NONE)
+        version: checked_script(described(version=version, units="si", stages=(stage,)), NONE)
         for version in (None, "22 Jul 2025 - Update 4", "2 Sep 2026", "10 Dec 2026")
     }
     epsilon = {version: verdict.rows[0].restitution for version, verdict in verdicts.items()}
@@ -324,7 +325,7 @@ def test_frozen_grains_are_walls_of_infinite_mass_and_meet_no_frozen_grains():
     pairs = [ContactSettings(types, None, words, (quote,)) for types in (("1", "1"), ("1", "2"), ("2", "2"))]
     grains = {k: Grains(k, (1e-3, 1e-3), (2500.0, 2500.0), frozen=k == "1") for k in ("1", "2")}
     stage = Stage(quote, 1e-7, True, 1, tuple(pairs), grains, None, None)
-    rows = checking._of_script(described(units="si", stages=(stage,)), NONE).rows
+    rows = checked_script(described(units="si", stages=(stage,)), NONE).rows
     assert [row.types for row in rows] == [("1", "2"), ("2", "2")]
     assert rows[0].duration > 1.35 * rows[1].duration  # √2 without damping
 
@@ -423,7 +424,7 @@ def test_what_is_missing_is_named():
     few = script(HOOKE).replace("random 100 ", "random 10 ")
     assert "packing is not known" in hl.check(few, speed=1.0).sentence
     stage = replace(described().stages[0], grains={}, gravity=None)
-    verdict = checking._of_script(described(stages=(stage,)), checking.Options(None, (1.0,), 0.1, {}))
+    verdict = checked_script(described(stages=(stage,)), Options(None, (1.0,), 0.1, {}))
     assert verdict.sentence == "Cannot be said: sizes are not known (give --dump, or --radius)."
 
 
@@ -543,13 +544,13 @@ def test_grains_rest_only_on_a_wall_that_stops_the_fall(shape, gravity, down):
 
 
 def test_what_invalidates_or_is_not_understood_decides():
-    options = checking.Options(None, (0.01,), 0.1, {})
+    options = Options(None, (0.01,), 0.1, {})
     quote = Quote("in.file", 3, "fix d all drag 1")
     stage = described().stages[0]
     calm = [Stage(quote, 1e-5, True, 1, stage.contacts[:1], stage.grains, None, None)]
-    drag = checking._of_script(described(stages=calm, invalidates=(Note("drag", None, quote),)), options)
+    drag = checked_script(described(stages=calm, invalidates=(Note("drag", None, quote),)), options)
     assert drag.admissible is False and drag.sentence.startswith("No: drag, which no event-driven")
-    unclear = checking._of_script(described(stages=calm, unknown=(quote,)), options)
+    unclear = checked_script(described(stages=calm, unknown=(quote,)), options)
     assert unclear.admissible is not True
     sticky = {"normal": Setting(("jkr", "1e5", "0.1", "0.3", "1"), 4, "pair_coeff * * jkr 1e5 0.1 0.3 1")}
     both = [
@@ -564,11 +565,11 @@ def test_what_invalidates_or_is_not_understood_decides():
             None,
         )
     ]
-    jkr = checking._of_script(
+    jkr = checked_script(
         described(stages=both, invalidates=(Note("adhesion", ("1", "1"), quote),)), options
     )
     assert jkr.admissible is False and jkr.rows[0].restitution is None and not jkr.unknown
-    strange = checking._of_script(described(stages=both), options)
+    strange = checked_script(described(stages=both), options)
     assert strange.admissible is None and "1–1" in strange.sentence
 
 

@@ -18,7 +18,7 @@ from test_script_fuzz import DATA, NUMBER, mutants
 
 import hardlimit as hl
 from conftest import draws, slow
-from hardlimit.checking import checking, contacts
+from hardlimit.checking import contacts, systems
 from hardlimit.checking.scripts import Quote, Setting, read
 
 #: Files that scripts include.
@@ -153,7 +153,7 @@ def answer(text, folder):
 def test_what_is_taken_changes_the_answer(name, tmp_path, monkeypatch):
     """Numbers of contacts, grains and time steps, of changes drawn at random."""
     stand_ins(monkeypatch)
-    monkeypatch.setattr(checking, "CHOSEN_SPEEDS", (0.1,))
+    monkeypatch.setattr(systems, "CHOSEN_SPEEDS", (0.1,))
     text = copied(name, tmp_path)
     before, first = taken(text, tmp_path)[0], answer(text, tmp_path)
     numbers = r"timestep|O\.dt =|density|diameter|young|gravity «|gran(ular)? hooke|hertz"

@@ -1,0 +1,137 @@
+"""The state of grains that are held together, in SI units: at rest, pressed, flowing, shaken; and of few grains."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..support.formatting import digits
+from . import answer, at_rest, corrections, drive, dumps, few, findings, loads, state_words, surroundings
+from .at_rest import GrainState
+from .options import CHOSEN_SPEEDS, Options
+from .scripts import Stage
+from .scripts.clumps import STYLE as MULTISPHERE
+from .scripts.description import FEW
+from .supplied import SCALES
+from .systems import System
+from .units import unit_of
+
+
+def in_script(
+    final: System, frames: Sequence[dumps.Frame], states: Sequence[dumps.State], others: str
+) -> GrainState:
+    """How the grains of the last run are held together, in SI units. ``others``: what else acts on them, in words."""
+    stage = final.last
+    examined = {id(case): case for case, _ in final.examined}
+    newest = max((case.stage for case in examined.values()), default=0)
+    fixed = [name for name, kind in stage.grains.items() if kind.frozen]
+    bed = None
+    if frames and stage.down:
+        bed = dumps.bed(
+            frames[-1],
+            surroundings.radii(stage),
+            surroundings.densities(stage),
+            stage.down,
+            stage.dimension,
+            fixed,
+        )
+    around = loads.Around(
+        cases=[case for case in examined.values() if case.stage == newest],
+        dimension=stage.dimension,
+        units=stage.units,
+        state=states[-1] if states else None,
+        kinds=dumps.kinds(frames[-1], surroundings.radii(stage), fixed) if frames else (),
+        bed=bed,
+        lasting=findings.contacts_last([row for _, row in final.examined], states),
+        barostat="barostat" in others,
+        fluid=any(words in others for words in ("fluid", "buoyancy")),
+    )
+    grains = _contact_of_few(state_of(stage, drive.support(stage), final.options, around), final, around)
+    if (
+        MULTISPHERE in others
+    ):  # whose arms and moments of inertia are not those of the sphere that stands for them
+        grains = replace(grains, largest_stable_step=None, step_share=None)
+    return grains
+
+
+def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> GrainState:
+    """The state of few grains, or of a gas of unknown packing or speed, with numbers of contacts, in SI units."""
+    stage, loaded = final.last, final.options.load.rests or final.options.drive
+    count, (_, length, time) = stage.contents.count, SCALES[stage.units]
+    many = count is None or count > FEW
+    if many and stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
+        return replace(grains, never_meet=True)
+    stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
+    speeds = final.options.speeds or tuple(stated_speeds)
+    prescribed = grains.name == "pressed" and grains.pressure is not None
+    if many and around.cases and all(case.second is None for case in around.cases):
+        count = 0.0  # none meets another one
+    shaken = grains.name == "shaken" and grains.shaking is not None
+    if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
+        return grains
+    speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
+    if count is not None and 0 <= count <= FEW:
+        state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
+    elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
+        state = few.in_gas(grains, around.cases, final.gas, speed, not speeds)
+    else:
+        return grains
+    if state.impact_speed is None:
+        return state
+    longest = state.largest_stable_step
+    return replace(
+        state,
+        impact_speed=state.impact_speed * length / time,
+        duration=state.duration and state.duration * time,
+        largest_stable_step=None if longest is None else longest * time,
+    )
+
+
+def flowing(question: answer.Question, grains: GrainState, gravity: bool) -> answer.Question:
+    """A flow under gravity that is collisional, or may be so, is driven, but no homogeneous gas."""
+    if grains.name == "gas" and question.quantity == "stress":
+        return replace(question, may_be_dense=True)
+    if not (grains.may_separate and gravity):
+        return question
+    where = "a slope on" if grains.inertial_number is None else "a flow under gravity in"
+    known = grains.regime == "collisional"
+    how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
+    return replace(question, driven=how)
+
+
+def step_at_rest(grains: GrainState, system: System, last: Stage) -> corrections.LargestStep | None:
+    """A safe time step of grains in lasting contact in the units of their run; None for other systems than the last."""
+    longest = grains.largest_stable_step
+    if longest is None or grains.regime == "collisional" or system.last is not last:
+        return None
+    share, contacts = at_rest.SAFE_SHARE, digits(grains.coordination or 0.0, 2)
+    step = share * longest / SCALES[last.units][2]
+    return corrections.LargestStep(
+        step, f"{share:g} of the longest stable one at {contacts} contacts per grain"
+    )
+
+
+def state_of(stage: Stage, support: drive.Support, options: Options, around: loads.Around) -> GrainState:
+    """How grains are held together, in SI units; ``options`` are in the units of the run."""
+    rate = None if options.drive is None else options.drive.shear_rate
+    load = loads.load_of(stage, support, options.load, rate, around)
+    state = at_rest.grain_state(around.cases, load, stage.time_step, around.dimension)
+    mass, length, time = SCALES[stage.units]
+    unit = mass / (length ** (around.dimension - 2) * time**2)
+    sizes = {"largest_stable_step": time, "pressure": unit, "pressure_for_rigid": unit}
+    sizes |= dict.fromkeys(("height_for_rigid", "layers_height", "centrifuging_radius"), length)
+    known = {name: getattr(state, name) for name in sizes}
+    springs = [
+        case.spring_powers for case in around.cases if case.spring and case.spring[0] == state.stiffness
+    ]
+    return replace(
+        state,
+        stiffness_unit=unit_of(springs[0], stage.units) if springs else None,
+        **{name: value * sizes[name] for name, value in known.items() if value is not None},
+    )
+
+
+def words_of_state(state: GrainState, units: str, dimension: int = 3) -> str:
+    """The sentence on how grains are held together, after a blank."""
+    text = state_words.sentence(state, units == "lj", dimension)
+    return f" {text}" if text else ""
