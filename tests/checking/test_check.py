@@ -565,9 +565,7 @@ def test_what_invalidates_or_is_not_understood_decides():
             None,
         )
     ]
-    jkr = checked_script(
-        described(stages=both, invalidates=(Note("adhesion", ("1", "1"), quote),)), options
-    )
+    jkr = checked_script(described(stages=both, invalidates=(Note("adhesion", ("1", "1"), quote),)), options)
     assert jkr.admissible is False and jkr.rows[0].restitution is None and not jkr.unknown
     strange = checked_script(described(stages=both), options)
     assert strange.admissible is None and "1–1" in strange.sentence

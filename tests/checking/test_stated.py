@@ -455,7 +455,9 @@ def test_the_step_of_a_state_replaces_that_of_an_error():
     """With its reason, and only if the script's is longer."""
     text = box("create_atoms 1 single 0 0 0\nset type 1 diameter 0.002 density 2500").replace("1e-7", "1e-5")
     description = read(text)
-    examined = surroundings.examined(cases.of_script(description, [None])[0], Surroundings(), (0.3,), None, None)
+    examined = surroundings.examined(
+        cases.of_script(description, [None])[0], Surroundings(), (0.3,), None, None
+    )
     step = corrections.LargestStep(3e-6, "stable at 6 contacts per grain")
     assert corrections.lines("lammps", examined, 1e-3, True, step) == [
         "timestep 3e-06  # stable at 6 contacts per grain"
