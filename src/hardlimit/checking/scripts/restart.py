@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from . import free_fall
+from . import free_fall, streams
 from .commands import Commands, Variables, text_of
 from .filling import Filling
 from .population import Population
@@ -62,8 +62,9 @@ def written(state: State, name: str) -> None:
     tied = any(note.what.startswith(("clumps", "bonds")) for note in state.invalidates)
     wanted.understood = not (state.unknown or tied)
     filling = copy.deepcopy(state.filling)
-    filling.insertions, filling.heat, filling.drifts, filling.velocities_known = [], [], {}, False
-    filling.launches = [free_fall.UNKNOWN]
+    if not state.stages or any(streams.only(state, stage) is None for stage in state.stages):
+        filling.insertions, filling.launches = [], [free_fall.UNKNOWN]
+        filling.heat, filling.drifts, filling.velocities_known = [], {}, False
     wanted.contents = Restart(
         state.units,
         state.dimension,

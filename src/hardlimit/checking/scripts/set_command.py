@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from functools import reduce
@@ -87,7 +88,7 @@ def read(state: State, statement: Statement) -> None:
 
 def _resized(state: State) -> None:
     """Grains that were inserted at least their diameters apart may overlap with others."""
-    if any(launch.place is None for launch in state.filling.launches):
+    if any(launch.place is None and launch.spacing == math.inf for launch in state.filling.launches):
         state.filling.launches.append(free_fall.UNKNOWN)
 
 
@@ -103,7 +104,7 @@ def _set_type(
         share = state.number(statement, values[1])
     if not 1 <= kind <= MAX_TYPES or not 0.0 <= (0.5 if share is None else share) <= 1.0:
         state.elsewhere(statement)
-    elif share != 0.0:
+    elif share != 0.0 and (state.population.elsewhere or not set(state.within(chosen)) <= {kind}):
         whole = share == 1.0
         known = share if chosen.whole and atoms is None else None
         state.filling.census.convert(state.within(chosen), kind, known)
