@@ -260,8 +260,8 @@ def test_values_of_partitions():
     text = f"variable s world 1e-6 2e-6\n{BASE}timestep $s\nrun 5\n"
     (own,) = read(text).warnings
     assert stage(text).time_step == 1e-6 and own.quote.text == "variable s world 1e-6 2e-6"
-    given = read(text, variables={"s": "2e-6"})
-    assert given.stages[0].time_step == 2e-6 and not given.warnings
+    stated = read(text, variables={"s": "2e-6"})
+    assert stated.stages[0].time_step == 2e-6 and not stated.warnings
     assert not read(text.replace("world 1e-6 2e-6", "world 1e-6")).warnings
     for style in ("universe 1e-6 2e-6", "index 1e-6 2e-6"):
         loop = f"variable s {style}\n{BASE}label a\ntimestep $s\nrun 5\nnext s\njump SELF a\n"

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from test_liggghts_grains import GRAVITY, MOVE, SPHERE, WALL, head
+from test_liggghts_grains import GRAVITY, MOVE, SINGLE, SPHERE, WALL, head
 
 import hardlimit as hl
 from hardlimit.checking.scripts import read
@@ -111,8 +111,8 @@ def test_a_velocity_along_the_face_bounds_tc_nu(checked):
     state, phi = verdict.state, 1e5 * BALL / (0.1 * 0.1 * 1.0)
     assert state.tc_nu_is_bound and not state.never_meet and state.impact_speed == pytest.approx(0.3)
     assert state.packing_fraction == pytest.approx(phi) and state.to_dict()["tc_nu_is_bound"] is True
-    given = checked(ACROSS, speed=0.3, packing_fraction=phi)
-    assert state.supposed_tc_nu == pytest.approx(given.rows[0].tc_nu) and not given.state.tc_nu_is_bound
+    stated = checked(ACROSS, speed=0.3, packing_fraction=phi)
+    assert state.supposed_tc_nu == pytest.approx(stated.rows[0].tc_nu) and not stated.state.tc_nu_is_bound
     assert verdict.admissible is None and "In the stream t_c ν is at most" in verdict.sentence
     assert any("along its face" in number.source and not number.decides for number in verdict.inferred)
     assert not checked(ACROSS, speed=0.3).state.tc_nu_is_bound
@@ -217,3 +217,40 @@ def test_single_grains_keep_their_number_if_they_get_the_type_that_they_have():
     assert read(sized).stages[0].contents.count == 1 and hl.check(sized).state.grains == 1
     two = sized.replace("create_box 1", "create_box 2").replace("type 1 diam", "type 2 diam")
     assert read(two).stages[0].contents.count is None
+
+
+@pytest.mark.parametrize(
+    "words,speed",
+    [
+        ("atom 1 vz -2", 2.0),
+        ("atom 1 vx 3 vz -4", 5.0),
+        ("type 1 vz -2", 2.0),
+        ("group all vz -2", 2.0),
+        ("atom * vz -2", 2.0),
+        ("atom 1 vz v_drawn", None),
+    ],
+)
+def test_velocities_that_set_gives_are_those_of_impacts(words, speed):
+    draws = "variable drawn atom random(0,1,7)\n"
+    text = (
+        head()
+        + WALL
+        + draws
+        + "create_atoms 1 single 0.05 0.05 0.1\nset type 1 diameter 0.004 density 2500\n"
+    )
+    state = hl.check(f"{text}set {words}\n{MOVE}").state
+    assert state.grains == 1 and state.speed_is_chosen is (speed is None)
+    assert state.impact_speed == pytest.approx(speed or 1.0)
+
+
+def test_grains_that_set_gives_one_velocity_do_not_approach_each_other():
+    two = (
+        head()
+        + SINGLE.format(0.03)
+        + SINGLE.format(0.07)
+        + "set type 1 diameter 0.004 density 2500\n{}"
+        + MOVE
+    )
+    together = hl.check(two.format("set group all vz -2\n"))
+    apart = hl.check(two.format("set atom 1 vx 2\nset atom 2 vx -1\n"))
+    assert together.state.speed_is_chosen and apart.state.impact_speed == pytest.approx(3.0)

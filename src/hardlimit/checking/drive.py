@@ -31,9 +31,9 @@ from .scripts.motion import acceleration
 STEPS: Final = 40
 #: Restitution below which kinetic theory of shear is not used.
 LEAST_IN_SHEAR: Final = 0.5
-#: Packing fraction up to which it is used. In event-driven runs of 500 spheres with ε = 0.95 and 0.8 (2 each) T over that
-#: of theory is 1.17 and 0.93 at φ = 0.49, 1.20 and 0.94 at 0.5, 1.32 and 1.04 at 0.55, the collision rate at this T over
-#: Enskog's 1.16 and 1.37, 1.18 and 1.44, 1.52 and 2.20 (studies/sheared_gas.py's run).
+#: Packing fraction up to which it is used. In event-driven runs of 500 spheres (2 each), ε = 0.95 and 0.8, T over that
+#: of theory is 1.17 and 0.93 at φ = 0.49, 1.20 and 0.94 at 0.5, 1.32 and 1.04 at 0.55; the collision rate at this T
+#: over Enskog's is 1.16 and 1.37, 1.18 and 1.44, 1.52 and 2.20 (the run of studies/sheared_gas.py).
 DENSEST_IN_SHEAR: Final = 0.5
 #: 1 − ε below which grains count as elastic: more than the rounding error of a computed ε.
 ELASTIC: Final = 1e-10
