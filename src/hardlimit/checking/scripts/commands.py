@@ -10,7 +10,7 @@ import itertools
 import os
 import re
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -281,6 +281,7 @@ class Commands:
     file: str = ""
     folder: Path | None = None
     variables: Variables = field(default_factory=Variables)
+    silent: Collection[str] = SILENT  #: commands in which values do not matter
 
     def __post_init__(self) -> None:
         self.frames = [Frame(self.file, self.folder, logical_lines(self.text))]
@@ -316,8 +317,8 @@ class Commands:
         pieces, quote = scan(raw)
         if quote:
             raise refusal(line, raw, f"close its quotes {quote}", frame.file)
-        silent = raw.split(maxsplit=1)[:1]
-        self.variables.now = -1 if silent and silent[0] in SILENT else len(self.read)
+        first = raw.split(maxsplit=1)[:1]
+        self.variables.now = -1 if first and first[0] in self.silent else len(self.read)
         code = "".join(text if quoted else self.variables.substitute(text) for text, quoted in pieces)
         self.variables.now = len(self.read)
         words = split(code)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from . import free_fall, streams
-from .commands import Commands, Variables, text_of
+from .commands import SILENT, Commands, Variables, text_of
 from .filling import Filling
 from .population import Population
 
@@ -99,7 +99,8 @@ def find(state: State, name: str) -> tuple[str, Restart] | None:
             continue
         wanted = Wanted(path_of(state.folder, name), depth)
         other = type(state)(Variables(), state.folder, state.version, state.code, wanted=wanted)
-        commands = islice(Commands(text, file.name, state.folder, Variables()), MOST_COMMANDS)
+        script = Commands(text, file.name, state.folder, Variables(), SILENT - {"write_restart"})
+        commands = islice(script, MOST_COMMANDS)
         try:
             other.read(commands)
         except ValueError:  # not a script, or one of which not all is known
