@@ -116,6 +116,15 @@ def test_a_velocity_along_the_face_bounds_tc_nu(checked):
     assert verdict.admissible is None and "In the stream t_c ν is at most" in verdict.sentence
     assert any("along its face" in number.source and not number.decides for number in verdict.inferred)
     assert not checked(ACROSS, speed=0.3).state.tc_nu_is_bound
+    for other in (
+        "viscous 0.1",
+        "addforce 0 0 -1",
+        "couple/cfd couple_every 10 mpi",
+        "mystery 1",
+        "wall/reflect zlo EDGE",
+    ):
+        state = checked(ACROSS.replace("fix move", f"fix other all {other}\nfix move")).state
+        assert not state.tc_nu_is_bound and not state.never_meet
 
 
 @pytest.mark.parametrize(

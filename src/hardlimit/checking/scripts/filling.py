@@ -377,7 +377,7 @@ def contents(state: State, stage: Stage) -> Contents:
     heat = filling.heat if overlap_free(filling, stage) else [overlapping(speed) for speed in filling.heat]
     stated = (*heat, *drift(state, stage)) if filling.velocities_known else ()
     floor, walled = floor_of(state, stage)
-    stream = streams.only(state, stage)
+    stream = streams.only(state, stage) if free_fall.undisturbed(state) else None
     stated = stated if stream is None else (streams.speed(stream),)
     moving = replace(filling.census, lots=[lot for lot in filling.census.lots if not state.frozen(lot.kind)])
     return Contents(

@@ -86,13 +86,11 @@ def never_meet(state: State, stage: Stage) -> bool:
     if (
         not launches
         or UNKNOWN in launches
-        or state.unknown
-        or state.invalidates
+        or not undisturbed(state)
         or state.population.elsewhere
         or any(kind.frozen or kind.partly_frozen for kind in stage.grains.values())
         or any(contact.wall is not None for contact in stage.contacts)
         or not all(other.contents.never_meet for other in before)
-        or not all(_safe(state, fix) for fix in state.fixes.values())
     ):
         return False
     filling = state.filling
@@ -108,6 +106,11 @@ def never_meet(state: State, stage: Stage) -> bool:
     if mixed or not _fit(stage, min(launch.spacing for launch in launches)):
         return False
     return len(places) < 2 or _apart(state, stage, places)
+
+
+def undisturbed(state: State) -> bool:
+    """Whether nothing but contacts changes the relative motion of grains."""
+    return not (state.unknown or state.invalidates) and all(_safe(state, fix) for fix in state.fixes.values())
 
 
 def _safe(state: State, fix: Fix) -> bool:
