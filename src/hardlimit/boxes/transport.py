@@ -1,8 +1,8 @@
 """Shear viscosity of a gas of spheres from means over its collisions, of any rule of collision.
 
 To first order in the shear rate the velocities have ⟨c c⟩ = T (1 + A), and a pair that touches moves at E·k d besides,
-with E the symmetric gradient of the flow and k the normal. Both are weights of the collisions of a gas at rest: A:g g/4T
-and d k·E·g/2T for the relative velocity g. Four means over the collisions make the viscosity:
+with E the symmetric gradient of the flow and k the normal. Both are weights of the collisions of a gas at rest,
+A:g g/4T and d k·E·g/2T for the relative velocity g. Four means over the collisions make the viscosity:
 
 * relaxation R: −⟨Δ(g g)⟩ by A, at which collisions take the deformation A from the velocities;
 * source S: ⟨Δ(g g)⟩ by E and the mean virial, what collisions add to the deformation by the flow;
