@@ -440,7 +440,7 @@ def _with_friction(
     state = gas.dimension, phi, mean.restitution, force.powers, grains
 
     def error(rule: str, x: float) -> Expected | None:
-        prediction = expected_rubbing(rule, *state, x)
+        prediction = expected_rubbing(rule, *state, x, sheared=gas.quantity == "stress")
         return prediction and _in_bath(prediction, gas, speed).wider(wider)
 
     known = error("law", tc_nu)

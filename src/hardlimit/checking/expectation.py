@@ -93,9 +93,12 @@ def expected_rubbing(
     powers: Powers,
     grains: Rubbing,
     tc_nu: float,
+    *,
+    sheared: bool,
 ) -> Expected | None:
     """The errors under the rule law or constant with the friction of the grains; None if they are not known. Those of
-    heating and shear are known under the rule law for spheres with linear springs.
+    heating and shear are known under the rule law for spheres with linear springs. That of shear takes a second and
+    is left out unless the gas is ``sheared``.
 
     The spins at the start of a cooling gas are not known. Its error is the mean of that without spins and that of equal
     temperatures, and half of their difference is in its bar.
@@ -106,16 +109,16 @@ def expected_rubbing(
     first, second = (law.error(tc_nu) for law in laws)
     bar = max(law.error_bar(tc_nu) for law in laws)
     cooling = 0.5 * (first + second), math.hypot(bar, 0.5 * (first - second))
-    return Expected(cooling, *_driven(laws[0], tc_nu, bar))
+    return Expected(cooling, *_driven(laws[0], tc_nu, bar, sheared))
 
 
 def _driven(
-    law: ErrorLaw, tc_nu: float, bar: float
+    law: ErrorLaw, tc_nu: float, bar: float, sheared: bool = True
 ) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
     """The errors of heating and shear, where they are known. Temperatures go as the power −2/3 of the rate of cooling,
     whose error has this bar, stresses as −1/2."""
     heated = law.heated_error(tc_nu)
-    stress = math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
+    stress = math.nan if law.no_shear() or not sheared else law.sheared_errors(tc_nu).stress
     return (
         None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
         None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
