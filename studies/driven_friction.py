@@ -2,7 +2,7 @@
 friction (see driver.py).
 
 Heated: as heated_gas.py, at equal power, for 25 collisions of each particle before and 120 in the window. Sheared: as
-sheared_gas.py, at equal shear rate, for 60 collisions before and 200 in the window. Kicks act on velocities only; the
+sheared_gas.py, at equal shear rate, for 60 collisions before and 600 in the window. Kicks act on velocities only; the
 spins start with the temperature that the theory of the rotating gas predicts for the heated one.
 """
 
@@ -23,6 +23,7 @@ from sheared_gas import SIDES
 
 import hardlimit as hl
 from hardlimit.boxes import theory
+from hardlimit.checking.expectation import SHEAR_BAR
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
@@ -45,7 +46,7 @@ CASES: Final = {
     "dense": Case(0.3, 0.5, 1.0, 0.3),
     "stiff": Case(0.3, 0.5, 2.88, 0.3),
 }
-#: Heated only. They were run after the theory of heated gases with friction was written down.
+#: Heated gases that were run after the theory of heated gases with friction was written down.
 TESTS: Final = {
     "smoother": Case(0.3, 0.1, 1.0, 0.3),
     "rougher": Case(0.3, 1.0, 1.0, 0.3),
@@ -59,9 +60,26 @@ DAMPED: Final = {
     "thin damped": Case(0.1, 0.3, 2.88, 0.1, 0.8, 0.5),
     "dense damped": Case(0.4, 1.0, 1.0, 0.2, 0.9, 0.5),
 }
-ALL: Final = CASES | TESTS | DAMPED
-#: Number of particles, and collisions per particle before and in the window.
-DRIVES: Final = {"heated": (1000, 25, 120), "sheared": (500, 60, 200)}
+#: Sheared only.
+FURTHER: Final = {
+    "medium": Case(0.2, 0.5, 1.0, 0.1),
+    "hard": Case(0.3, 0.5, 1.0, 0.1),
+    "thin hard": Case(0.1, 0.5, 1.0, 0.03),
+    "thin stiff": Case(0.1, 0.5, 2.88, 0.1),
+    "dense sheared": Case(0.45, 0.5, 1.0, 0.3),
+    "elastic": Case(0.3, 0.5, 1.0, 0.3, 0.97),
+    "thin elastic": Case(0.1, 0.5, 1.0, 0.1, 0.97),
+}
+HEATED: Final = CASES | TESTS | DAMPED
+SHEARED: Final = (
+    CASES
+    | {name: TESTS[name] for name in ("smoother", "rougher", "inelastic", "thin rougher")}
+    | {name: DAMPED[name] for name in ("damped", "thin damped")}
+    | FURTHER
+)
+ALL: Final = HEATED | FURTHER
+#: Number of particles, collisions per particle before and in the window, and replicas.
+DRIVES: Final = {"heated": (1000, 25, 120, 3), "sheared": (500, 60, 600, 8)}
 SAMPLES: Final = 3  #: for each collision of a particle
 VALUES: Final = {
     "temperature": "mean temperature over that of theory",
@@ -74,11 +92,12 @@ VALUES: Final = {
 }
 
 
-def points(_: int) -> Iterator[driver.Point]:
-    for drive in DRIVES:
-        for case in CASES if drive == "sheared" else ALL:
-            yield drive, case, "law"
-            yield drive, case, "newton"
+def points(replica: int) -> Iterator[driver.Point]:
+    for drive, (*_, replicas) in DRIVES.items():
+        for case in SHEARED if drive == "sheared" else HEATED:
+            if replica < replicas:
+                yield drive, case, "law"
+                yield drive, case, "newton"
 
 
 def friction_of(case: Case) -> hl.Friction:
@@ -93,7 +112,7 @@ def rotating(gas: theory.Gas, case: Case) -> theory.RotatingGas:
 def run(point: driver.Point, replica: int) -> dict[str, float]:
     """The values of one run; none if it ended early."""
     drive, name, model = point
-    case, (n, before, window) = ALL[name], DRIVES[drive]
+    case, (n, before, window, _) = ALL[name], DRIVES[drive]
     sides = SIDES if drive == "sheared" else "periodic"
     speed = math.sqrt(3.0 * TEMPERATURE)
     start = hl.ParticleSystem.random(
@@ -105,8 +124,8 @@ def run(point: driver.Point, replica: int) -> dict[str, float]:
     unit = 0.5 * nu * float(start.mass.sum()) * TEMPERATURE
     power = -spinning.mean_collision(theta).energy_change * unit
     if drive == "sheared":  # smooth spheres that dissipate as much
-        smooth = math.sqrt(max(1.0 - power / unit, 0.25))
-        start = start.replace(shear_rate=math.sqrt(TEMPERATURE / gas.sheared_temperature(1.0, smooth)))
+        rate = math.sqrt(TEMPERATURE / gas.sheared_temperature(1.0, as_smooth(power / unit)))
+        start = start.replace(shear_rate=rate)
     start = equilibrated(start, 1000 + replica, collisions=30)
     assert start.angular_velocities is not None
     start = start.replace(angular_velocities=math.sqrt(theta) * start.angular_velocities)
@@ -155,9 +174,9 @@ def measured(
 # --- results ------------------------------------------------------------------------------------------------
 
 
-def scatter(ds: xr.Dataset, name: str) -> float:
-    """Relative standard deviation between replicas, of all points together: each has few."""
-    rows = ds[name].values.reshape(-1, ds.sizes["replica"])
+def scatter(ds: xr.Dataset, drive: str, name: str) -> float:
+    """Relative standard deviation between replicas, of all points of a drive together: each has few."""
+    rows = ds[name].sel(drive=drive).values.reshape(-1, ds.sizes["replica"])
     rows = [row[np.isfinite(row)] for row in rows]
     squares = sum(float(np.sum((row / row.mean() - 1.0) ** 2)) for row in rows if len(row) > 1)
     return math.sqrt(squares / sum(len(row) - 1 for row in rows if len(row) > 1))
@@ -168,20 +187,25 @@ def error(ds: xr.Dataset, drive: str, case: str, name: str, power: float = 1.0) 
     at = ds[name].sel(drive=drive, case=case)
     hard, newton = (at.sel(model=model).dropna("replica").values for model in ("law", "newton"))
     value = float(hard.mean() / newton.mean()) ** power
-    return value - 1.0, abs(power * value) * scatter(ds, name) * math.hypot(
+    return value - 1.0, abs(power * value) * scatter(ds, drive, name) * math.hypot(
         len(hard) ** -0.5, len(newton) ** -0.5
     )
 
 
 def errors(ds: xr.Dataset, case: str) -> dict[str, tuple[float, float]]:
-    """Heated: temperature at equal power, pressure at equal temperature. Sheared: temperature, stress, dissipation."""
-    return {
-        "heated: temperature": error(ds, "heated", case, "dissipation", -2.0 / 3.0),
-        "heated: pressure at equal T": error(ds, "heated", case, "pressure"),
-        "sheared: temperature": error(ds, "sheared", case, "temperature"),
-        "sheared: stress": error(ds, "sheared", case, "stress"),
-        "sheared: dissipation at equal T": error(ds, "sheared", case, "dissipation"),
-    }
+    """Heated: temperature at equal power, pressure at equal temperature. Sheared: temperature and stress, dissipation
+    and viscosity at equal temperature."""
+    values = {}
+    if case in HEATED:
+        values["heated: temperature"] = error(ds, "heated", case, "dissipation", -2.0 / 3.0)
+        values["heated: pressure at equal T"] = error(ds, "heated", case, "pressure")
+    if case in SHEARED:
+        flowing = ds.assign(viscosity=ds.stress / np.sqrt(ds.temperature))
+        values["sheared: temperature"] = error(ds, "sheared", case, "temperature")
+        values["sheared: stress"] = error(ds, "sheared", case, "stress")
+        values["sheared: dissipation at equal T"] = error(ds, "sheared", case, "dissipation")
+        values["sheared: viscosity at equal T"] = error(flowing, "sheared", case, "viscosity")
+    return values
 
 
 def tc_nu(ds: xr.Dataset, drive: str, case: str) -> float:
@@ -190,34 +214,51 @@ def tc_nu(ds: xr.Dataset, drive: str, case: str) -> float:
     return ALL[case].tc_nu * math.sqrt(temperature)
 
 
+def law_of(case: Case) -> hl.ErrorLaw:
+    """The law of the error with friction."""
+    return hl.error_law(
+        packing_fraction=case.packing_fraction,
+        restitution=case.restitution,
+        rule="law",
+        friction=friction_of(case),
+    )
+
+
 def heated(ds: xr.Dataset, case: str) -> tuple[float, float]:
     """The law's error of the temperature with friction, and its standard error."""
-    known = ALL[case]
-    law = hl.error_law(
-        packing_fraction=known.packing_fraction,
-        restitution=known.restitution,
-        rule="law",
-        friction=friction_of(known),
-    )
-    x = tc_nu(ds, "heated", case)
+    law, x = law_of(ALL[case]), tc_nu(ds, "heated", case)
     value = law.heated_error(x)
     return value, 2.0 / 3.0 * (1.0 + value) * law.error_bar(x)
+
+
+def sheared(ds: xr.Dataset, case: str) -> dict[str, tuple[float, float]]:
+    """The law's errors of temperature and stress with friction, and their standard errors."""
+    law, x = law_of(ALL[case]), tc_nu(ds, "sheared", case)
+    temperature, stress = law.sheared_errors(x)
+    bar, left = law.error_bar(x), SHEAR_BAR * x
+    return {
+        "sheared: temperature": (temperature, (1.0 + temperature) * math.hypot(bar, left)),
+        "sheared: stress": (stress, (1.0 + stress) * math.hypot(0.5 * bar, left)),
+    }
 
 
 def smooth(ds: xr.Dataset, case: str) -> dict[str, float]:
     """The law of smooth grains at the t_c ν of the same temperatures."""
     known = ALL[case]
     law = hl.error_law(packing_fraction=known.packing_fraction, restitution=known.restitution)
-    heated, sheared = (tc_nu(ds, drive, case) for drive in DRIVES)
-    steady = law.sheared_errors(sheared) if math.isfinite(sheared) else None
-    if steady is None:
-        return {"heated: temperature": law.heated_error(heated)}
-    return {
-        "heated: temperature": law.heated_error(heated),
-        "sheared: temperature": steady.temperature,
-        "sheared: stress": steady.stress,
-        "sheared: dissipation at equal T": (1.0 + law.heated_error(sheared)) ** -1.5 - 1.0,
-    }
+    values = {}
+    if case in HEATED:
+        values["heated: temperature"] = law.heated_error(tc_nu(ds, "heated", case))
+    if case in SHEARED:
+        x = tc_nu(ds, "sheared", case)
+        steady, dissipation = law.sheared_errors(x), (1.0 + law.heated_error(x)) ** -1.5 - 1.0
+        values |= {
+            "sheared: temperature": steady.temperature,
+            "sheared: stress": steady.stress,
+            "sheared: dissipation at equal T": dissipation,
+            "sheared: viscosity at equal T": (1.0 + steady.temperature) * (1.0 + dissipation) - 1.0,
+        }
+    return values
 
 
 def tables(ds: xr.Dataset) -> str:
@@ -234,21 +275,46 @@ def tables(ds: xr.Dataset) -> str:
             f"{predicted_ratio(ALL[name]):.3f}",
             pair(ds.temperature_ratio, "heated", name),
         )
-        for name in ALL
+        for name in HEATED
     ]
     heads = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n | temperature | law | smooth | T/T₀: hard, Newton | θ₀ | θ: hard, Newton"
     text = driver.table(heads, rows)
     rows = []
-    for name in CASES:
-        measured, without = errors(ds, name), smooth(ds, name)
+    for name in SHEARED:
+        measured, law, without = errors(ds, name), sheared(ds, name), smooth(ds, name)
         cells = [
-            driven_gas.percent(*measured[key], without.get(key, math.nan), 1).partition(" / nan")[0]
-            for key in measured
-            if key != "heated: temperature"
+            f"{in_percent(*measured[key])} / {in_percent(*law[key])} / {100.0 * without[key]:.1f}"
+            for key in law
         ]
-        rows.append((*ALL[name][:4], *cells, pair(ds.temperature_ratio, "sheared", name)))
-    head = " | ".join(key for key in errors(ds, "dense") if key != "heated: temperature")
-    return f"{text}\n\n{driver.table(f'φ | μ | ρ | t_c ν | {head} | θ: hard, Newton', rows)}"
+        cells += [in_percent(*measured[f"sheared: {key} at equal T"]) for key in ("dissipation", "viscosity")]
+        temperature = float(ds.temperature.sel(drive="sheared", case=name, model="law").mean())
+        cells += [
+            f"{temperature / predicted_temperature(SHEARED[name]):.2f}",
+            pair(ds.temperature_ratio, "sheared", name),
+        ]
+        case = SHEARED[name]
+        x = f"{tc_nu(ds, 'sheared', name):.2g}"
+        where = case.packing_fraction, case.mu, case.rho, x, case.restitution, case.damping
+        rows.append((*(value if isinstance(value, str) else f"{value:g}" for value in where), *cells))
+    head = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n | temperature | stress | dissipation | viscosity"
+    return f"{text}\n\n{driver.table(f'{head} | T/T₀ | θ: hard, Newton', rows)}"
+
+
+def in_percent(value: float, error: float) -> str:
+    return f"{100.0 * value:.1f}±{100.0 * error:.1f}".replace("-", "−")
+
+
+def predicted_temperature(case: Case) -> float:
+    """T of the sheared gas by kinetic theory with friction, over that of the study."""
+    gas = theory.Gas(1, RADIUS, 1.0, 4.0 / 3.0 * math.pi * RADIUS**3 / case.packing_fraction, 3)
+    spinning = rotating(gas, case)
+    loss = -spinning.mean_collision(spinning.heated_temperature_ratio()).energy_change
+    return spinning.sheared_temperature(1.0) / gas.sheared_temperature(1.0, as_smooth(loss))
+
+
+def as_smooth(loss: float) -> float:
+    """ε of smooth spheres with this loss of a collision in m T, at least 0.5."""
+    return math.sqrt(max(1.0 - loss, 0.25))
 
 
 def pair(values: xr.DataArray, drive: str, case: str) -> str:
@@ -275,12 +341,15 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
             label = rf"φ = {values.packing_fraction:g}, ρ = {values.rho:g}, $t_c\nu$ = {values.tc_nu:g}"
             color = PALETTE[colors[case]]
             ax.errorbar(value, place, xerr=bar, fmt="o", ms=4, color=color, label=label)
+            law = {"heated: temperature": heated(ds, case), **sheared(ds, case)}
             known = [100.0 * without.get(name, math.nan) for name in names]
             ax.plot(known, place, "o", ms=5, mfc="none", color=color)
+            known = [100.0 * law.get(name, (math.nan, math.nan))[0] for name in names]
+            ax.plot(known, place, "x", ms=5, color=color)
         ax.axvline(0.0, color="k", lw=0.6)
         ax.set_yticks(-np.arange(len(names)), names)
         ax.set(xlabel="error of hard spheres [%]")
-        ax.legend(loc="lower right")
+        ax.legend(loc="upper right")
     return {"driven_friction.png": figure}
 
 
@@ -292,7 +361,7 @@ STUDY = driven_gas.study(
     file=__file__,
     points=points,
     run=run,
-    replicas=3,
+    replicas=max(replicas for *_, replicas in DRIVES.values()),
     axes=lambda: {"drive": list(DRIVES), "case": list(ALL), "model": ["law", "newton"]},
     draw=draw,
     tables=tables,

@@ -556,3 +556,39 @@ def test_heated_hard_spheres(mu: float) -> None:
         rubbing.heated_temperature_ratio(), rel=0.06
     )
     assert float(series.granular_temperature.mean()) == pytest.approx(system.granular_temperature, rel=0.06)
+
+
+# --- sheared gases --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("phi", "epsilon", "measured", "ratio"),
+    [(0.1, 0.9, 0.937, 0.955), (0.1, 0.7, 0.792, 0.865), (0.3, 0.99, None, 1.0), (0.45, 0.9, 0.998, 1.0)],
+)
+def test_smooth_sheared_spheres_have_a_known_temperature(
+    phi: float, epsilon: float, measured: float | None, ratio: float
+) -> None:
+    """Over that of Lun et al.: the same in dense gases; in thin ones the kinetic stress heats along the flow only, as
+    measured (studies/sheared_gas.nc)."""
+    gas = theory.Gas(1, 0.5, 1.0, math.pi / 6.0 / phi, 3)
+    smooth = gas.rotating(epsilon, 0.0, 0.0).sheared_temperature(2.0)
+    found = smooth / gas.sheared_temperature(2.0, epsilon)
+    assert found == pytest.approx(ratio, abs=0.006)
+    assert measured is None or abs(found - measured) <= abs(1.0 - measured) + 0.002
+    assert gas.rotating(epsilon, 1e-9, 0.5).sheared_temperature(2.0) == pytest.approx(smooth, rel=1e-6)
+    assert gas.rotating(epsilon, 0.5, 0.5).sheared_temperature(2.0) < 0.85 * smooth
+
+
+def test_rough_and_constant_rules_and_functions_give_one_sheared_temperature() -> None:
+    gas = theory.Gas(1, 0.5, 1.0, 2.0, 3)
+    rough = gas.rotating(0.9, math.inf, 0.3).sheared_temperature(1.0)
+    same = gas.rotating(0.9, tangential_restitution=lambda tangents: np.full_like(tangents, 0.3))
+    assert same.sheared_temperature(1.0) == pytest.approx(rough, rel=1e-9)
+    assert gas.rotating(0.9, 1e9, 0.3).sheared_temperature(3.0) == pytest.approx(9.0 * rough, rel=1e-6)
+
+
+def test_sheared_temperatures_that_do_not_exist_are_refused() -> None:
+    disks, elastic = theory.Gas(1, 0.5, 1.0, 2.0, 2), theory.Gas(1, 0.5, 1.0, 2.0, 3)
+    assert "not of disks" in refusal(lambda: disks.rotating(0.9, 0.5, 0.5).sheared_temperature(1.0))
+    assert "dissipate nothing" in refusal(lambda: elastic.rotating(1.0, 0.0, 0.0).sheared_temperature(1.0))
+    assert "shear_rate: got -1" in refusal(lambda: elastic.rotating(0.9, 0.5, 0.5).sheared_temperature(-1.0))

@@ -224,13 +224,43 @@ def test_what_is_not_known_of_heated_friction_is_said_in_a_line():
         f"fix heat all langevin {LANGEVIN}", "fix d all deform 1 xy erate 200 remap v"
     )
     verdict = hl.check(sheared)
-    assert "the error of the shear stress is known only without friction" in verdict.sentence
-    assert "(kinetic theory of grains without friction)" in verdict.sentence
-    assert verdict.rows[0].temperature_ratio is None
+    row = verdict.rows[0]
+    assert verdict.quantity == "stress" and row.sheared_error > 2.0 * row.sheared_error_bar > 0.0
+    assert f"(kinetic theory with friction, T_r/T = {row.temperature_ratio:.2g}" in verdict.sentence
+    mindlin = sheared.replace("hooke 2e3", "hertz/material 1e8").replace("0.9 damping", "0.9 0.3 damping")
+    hertz = hl.check(mindlin.replace("linear_history 571.4 0.5", "mindlin NULL 1.0"))
+    assert "the error of the shear stress is not known with this friction (it is for" in hertz.sentence
     soft = hl.check(
         script(f"{LANGEVIN} omega yes").replace("hooke 2e3", "hooke 20").replace("571.4", "5.714")
     )
     assert soft.admissible is False and "is above 0.3, where contacts overlap in time" in soft.sentence
+
+
+@pytest.mark.slow
+def test_a_sheared_script_with_friction_has_its_number():
+    """The stress at the t_c ν of the steady state, and what leaving friction out does to it."""
+    shear = "fix d all deform 1 xy erate 200 remap v"
+    text = script(LANGEVIN).replace(f"fix heat all langevin {LANGEVIN}", shear)
+    verdict = hl.check(text)
+    row = verdict.rows[0]
+    friction = hl.Friction(0.5, stiffness_ratio=0.2857, damping_ratio=0.5)
+    law = hl.error_law(packing_fraction=0.2, restitution=row.restitution, rule="law", friction=friction)
+    assert row.sheared_error == pytest.approx(law.sheared_errors(row.tc_nu).stress, rel=1e-3)
+    assert row.rule == "law" and row.extrapolated == "" and row.softening > 1.0
+    gas = hl.boxes.theory.Gas(1, 1e-3, BEAD.mass, BEAD.mass / 2500.0 / 0.2, 3)
+    bead = hl.LinearDashpot(stiffness=2e3, restitution=row.restitution, friction=friction)
+    assert row.speed**2 / math.pi == pytest.approx(
+        gas.rotating(law=bead).sheared_temperature(200.0), rel=1e-3
+    )
+    smooth = hl.check(text.replace(" 0.5 limit_damping", " 0 limit_damping")).rows[0]
+    loss = -gas.rotating(law=bead).mean_collision(row.temperature_ratio).energy_change
+    stress = (1.0 - row.restitution**2) / loss * (smooth.speed / row.speed) ** 3
+    assert row.smooth_error == pytest.approx(stress - 1.0, rel=1e-2)
+    assert "the shear stress of event-driven is" in verdict.sentence and "too high" in verdict.sentence
+    spinning = hl.check(text, speed=0.1).rows[0]
+    assert spinning.sheared_error == pytest.approx(law.sheared_errors(spinning.tc_nu).stress, rel=1e-3)
+    beyond = hl.check(script(LANGEVIN, mu=1.5).replace(f"fix heat all langevin {LANGEVIN}", shear))
+    assert "sheared gases were measured at 0 ≤ μ ≤ 1, not at 1.5." in beyond.sentence
 
 
 @pytest.mark.slow

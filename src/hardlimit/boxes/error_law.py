@@ -18,7 +18,7 @@ from ..contact.contact import Law
 from ..contact.friction import Friction
 from ..support import validation
 from ..support.formatting import listed
-from . import frictional_error, spins
+from . import frictional_error, sheared_error, spins
 from .contacts import mean_contact
 from .rules import RULES
 from .system import ParticleSystem
@@ -44,6 +44,9 @@ WEAK: Final = 0.05
 #: core/boxes/common/error_law.hpp.
 DELAYED: Final = 0.87
 DELAYED_SLOPE: Final = 1.03
+
+#: The friction of smooth grains.
+SMOOTH: Final = Friction(0.0, stiffness_ratio=2.0 / 7.0, damping_ratio=0.0)
 
 #: Steps to the steady energy under the rule tc.
 FIXED_POINT_STEPS: Final = 60
@@ -194,6 +197,9 @@ class ErrorLaw:
     heated_change: float = field(
         default=math.nan, repr=False
     )  #: by friction, of ln T of a heated gas per t_c ν
+    setting: frictional_error.Setting | None = field(
+        default=None, repr=False
+    )  #: the grains with friction, at least WEAK
 
     def error(self, tc_nu: float) -> float:
         """Relative error of the cooling: a t_c ν; for the rule tc (1 + (a + 2k) t_c ν) e^{−2k t_c ν} − 1.
@@ -257,7 +263,8 @@ class ErrorLaw:
     def sheared_errors(self, tc_nu: float) -> ShearedErrors:
         """Relative errors of granular temperature and shear stress in steady shear at equal shear rate.
 
-        Hard spheres over Newton's equations, less 1, for spheres with linear springs and a constant ε.
+        Hard spheres over Newton's equations, less 1, for spheres with linear springs and a constant ε; with friction
+        under the rule law.
         :doc:`/driven_gases` derives them and :doc:`/results` measures them.
 
         Parameters
@@ -273,14 +280,15 @@ class ErrorLaw:
         Raises
         ------
         ValueError
-            If it is negative or not finite, or for disks, friction, other contact laws, the rules tc and soft, and φ
-            above 0.49.
+            If it is negative or not finite, or for disks, other contact laws, the rules tc and soft, with friction the
+            rule constant, and φ above 0.49.
 
         Notes
         -----
         Shear works η γ̇² per volume. With η ∝ √T and the dissipation ∝ T^(3/2) of hard spheres, their temperature is
         (1 + e_η)/(1 + e_Γ) times that under Newton's equations, where e are the errors of viscosity and dissipation at
-        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η is that of Enskog's viscosity.
+        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η is that of Enskog's viscosity, with
+        what friction changes in the contacts of a gas in its steady state.
 
         Examples
         --------
@@ -290,15 +298,37 @@ class ErrorLaw:
         """
         x = _tc_nu(tc_nu)
         if reason := self.no_shear():
-            accepted = f"smooth spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
+            accepted = f"spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
             raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
-        viscosity = 1.0 + x * viscosity_error(self.packing_fraction)
-        kinetic = self._kinetic_share(x)
-        slowed = 1.0 + self.coefficient * x
-        if not (viscosity > 0.0 and kinetic > 0.0 and slowed > 0.0):
+        viscosity = 1.0 + x * (viscosity_error(self.packing_fraction) + self._viscosity_change())
+        heated = self.heated_error(x)
+        if not (viscosity > 0.0 and heated > -1.0):
             return ShearedErrors(math.nan, math.nan)
-        temperature = viscosity / (slowed * kinetic**1.5)
+        dissipating = (1.0 + heated) ** -1.5
+        temperature = viscosity / dissipating
         return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
+
+    def _viscosity_change(self) -> float:
+        """By how much friction changes the error of the viscosity over t_c ν; 0 for smooth spheres."""
+        if self.smooth is None or self.setting is None or self.friction is None:
+            return 0.0
+        setting, gas = self.setting, fluid(3, self.packing_fraction)
+        state = frictional_error.heated_state(setting, 1.0 + (LINEAR.damping + 1.0) / LINEAR.energy)
+        if state is None:
+            return math.nan
+        balance, theta = state
+
+        def slope(law: ErrorLaw, flowing: sheared_error.Flowing, loss: float) -> float:
+            dissipation = 1.5 * math.log1p(law.heated_error(sheared_error.SMALL)) / sheared_error.SMALL
+            fluid_of = {"density": gas.density, "slope": gas.slope, "growth": gas.growth}
+            return sheared_error.viscosity_slope(flowing, **fluid_of, loss=loss, loss_slope=dissipation)
+
+        rubbing = sheared_error.flowing(setting._replace(theta=theta))
+        sliding = sheared_error.flowing(setting._replace(friction=SMOOTH, theta=0.0))
+        loss = -float(balance.collision(theta)[0])
+        with_friction = slope(self, rubbing, loss)
+        without = slope(self.smooth, sliding, 1.0 - self.restitution**2)
+        return min(self.friction.coefficient / WEAK, 1.0) * (without - with_friction)
 
     def _kinetic_share(self, x: float) -> float:
         """Kinetic energy under Newton's equations over that which contacts will not dissipate; NaN if one is none."""
@@ -313,10 +343,10 @@ class ErrorLaw:
         """
         if self.dimension != 3:
             return "disks"
-        if self.friction is not None:
-            return "friction"
         if RULES[self.rule].error != "constant":
             return f"the rule {self.rule}"
+        if self.friction is not None and self.rule != "law":
+            return f"the rule {self.rule} with friction"
         linear = LINEAR.mean_duration / 3.0
         if not np.allclose((self.stored, self.delay), (linear / LINEAR.energy, linear), rtol=1e-6):
             return "another contact law"
@@ -514,6 +544,7 @@ def with_friction(
         temperature_ratio=terms.temperature_ratio,
         smooth=smooth,
         heated_change=scale * _heated_change(smooth, strong, law, delayed),
+        setting=strong,
     )
 
 

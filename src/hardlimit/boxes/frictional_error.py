@@ -30,6 +30,7 @@ from ..support import validation
 from ..support.formatting import listed
 from .box import Floats
 from .theory import Gas, RotatingGas
+from .transport import impacts
 
 #: Mean impact speed at T = 1.
 IMPACT_SPEED: Final = math.sqrt(math.pi)
@@ -91,6 +92,16 @@ MEASURED_HEATED: Final = MappingProxyType(
         "γ_t/γ_n": (0.0, 0.5),
         "ε": (0.7, 0.9),
         "φ": (0.1, 0.5),
+    }
+)
+#: The same for sheared gases.
+MEASURED_SHEARED: Final = MappingProxyType(
+    {
+        "μ": (0.0, 1.0),
+        "(m_n/m_t) k_t/k_n": (1.0, 2.88),
+        "γ_t/γ_n": (0.0, 0.5),
+        "ε": (0.7, 0.97),
+        "φ": (0.1, 0.45),
     }
 )
 #: Relative distance from these ranges that counts as none; of ε, in 1 − ε.
@@ -157,14 +168,15 @@ class Setting(NamedTuple):
         )
         return 2.0 * far + (self.powers != LINEAR)
 
-    def outside_heated(self, phi: float) -> str:
-        """As :meth:`outside`, of the measurements of heated gases."""
-        outside = _beyond({**self.values(), "φ": phi}, MEASURED_HEATED)
+    def outside_driven(self, phi: float, sheared: bool) -> str:
+        """As :meth:`outside`, of the measurements of sheared or heated gases."""
+        measured = MEASURED_SHEARED if sheared else MEASURED_HEATED
+        outside = _beyond({**self.values(), "φ": phi}, measured)
         if not outside:
             return ""
         ranges = listed([f"{low:g} ≤ {name} ≤ {high:g}" for name, (_, low, high) in outside.items()])
         values = listed([f"{value:.3g}" for value, *_ in outside.values()])
-        return f"heated gases were measured at {ranges}, not at {values}"
+        return f"{'sheared' if sheared else 'heated'} gases were measured at {ranges}, not at {values}"
 
     def contact(self) -> Contact:
         """Two equal grains with a stiffness or a modulus of 1; ε at the mean impact speed."""
@@ -247,27 +259,6 @@ class Stored(NamedTuple):
 
 def axes_of_rotation(dimension: int) -> int:
     return 3 if dimension == 3 else 1
-
-
-def impacts(n: int, theta: float, q: float, dimension: int) -> tuple[Floats, Floats]:
-    """Velocities and spins times the diameter of the pairs that collide in a gas of T = 1: (n, 3) each.
-
-    The normal is z and the first particle is at rest: the second approaches along −z. Quasi-random, with fixed seed.
-    """
-    from scipy import special
-    from scipy.stats import qmc  # which other uses must not wait for
-
-    u = qmc.Sobol(5, seed=1).random(n)
-    velocity, spin = np.zeros((n, 3)), np.zeros((n, 3))
-    velocity[:, 2] = -2.0 * np.sqrt(-np.log1p(-u[:, 0]))
-    width = math.sqrt(2.0 * theta / q)
-    if dimension == 3:
-        velocity[:, 0] = 2.0 * np.sqrt(-np.log1p(-u[:, 1]))
-        spin[:] = width * special.ndtri(np.clip(u[:, 2:], 1e-12, 1.0 - 1e-12))
-    else:
-        normal = special.ndtri(np.clip(u[:, 1:3], 1e-12, 1.0 - 1e-12))
-        velocity[:, 0], spin[:, 1] = math.sqrt(2.0) * normal[:, 0], width * normal[:, 1]
-    return velocity, spin
 
 
 def is_linear(contact: Contact) -> bool:
@@ -568,17 +559,11 @@ class HeatedTerms(NamedTuple):
     energy: float  #: change of ln(T of hard spheres/T) by the energy in contacts, in t_c ν
 
 
-@lru_cache(maxsize=512)
-def heated_terms(setting: Setting, q: float, c: float, delayed: float) -> HeatedTerms | None:
-    """The terms of equal grains with friction, arguments as for :func:`terms`; None if rotation has no steady state.
-
-    Rotation gains in collisions as much as it loses, so that θ follows each change of the gain. A third particle that
-    ends a contact takes from rotation what it would still have gained on average.
-    """
+def heated_state(setting: Setting, exponent: float) -> tuple[Balance, float] | None:
+    """The balance of a gas heated by white noise on its velocities, arguments as for :class:`Balance`, and its θ; None
+    if rotation has no steady state."""
     from scipy.optimize import brentq
 
-    contact, dimension = setting.contact(), setting.dimension
-    exponent = 1.0 + (c + 1.0) / q
     _, balance = _balance(setting._replace(theta=0.0), exponent)
 
     def gain(theta: float) -> float:
@@ -586,7 +571,22 @@ def heated_terms(setting: Setting, q: float, c: float, delayed: float) -> Heated
 
     if not gain(RATIOS[0]) > 0.0 > gain(RATIOS[-1]):
         return None
-    theta = float(brentq(gain, RATIOS[0], RATIOS[-1], xtol=1e-12))
+    return balance, float(brentq(gain, RATIOS[0], RATIOS[-1], xtol=1e-12))
+
+
+@lru_cache(maxsize=512)
+def heated_terms(setting: Setting, q: float, c: float, delayed: float) -> HeatedTerms | None:
+    """The terms of equal grains with friction, arguments as for :func:`terms`; None if rotation has no steady state.
+
+    Rotation gains in collisions as much as it loses, so that θ follows each change of the gain. A third particle that
+    ends a contact takes from rotation what it would still have gained on average.
+    """
+    contact, dimension = setting.contact(), setting.dimension
+    exponent = 1.0 + (c + 1.0) / q
+    state = heated_state(setting, exponent)
+    if state is None:
+        return None
+    balance, theta = state
     loss = -float(balance.collision(theta)[0])
     slopes = balance.collision(theta + SLOPE) - balance.collision(theta)
     # Where the gain falls by a share of the loss, θ falls, and the loss changes by this times the share.

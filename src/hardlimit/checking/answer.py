@@ -166,20 +166,16 @@ def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
     worst = max(smooth, key=lambda row: abs(row.frictionless_error or 0.0))
     value = worst.frictionless_error or 0.0
     way = WAYS[question.quantity][value < 0.0]
-    without = {"cooling": "; without it, it", "temperature": "; without friction, it"}.get(
-        question.quantity, ", where it"
-    )
+    without = "; without it, it" if question.quantity == "cooling" else "; without friction, it"
     return f"{text}{without} is about {percent(abs(value))} ({way}) at {_numbers(worst)}"
 
 
 def _known_only(question: Question) -> str:
     """For which friction the error is known."""
-    if question.quantity == "stress":
-        return "known only without friction"
     if question.heats_spins:
         return "known only where no thermostat acts on spins"
-    of_heated = " (it is for spheres of one μ with linear springs, normal and tangential)"
-    return f"not known with this friction{of_heated * (question.quantity == 'temperature')}"
+    of_driven = " (it is for spheres of one μ with linear springs, normal and tangential)"
+    return f"not known with this friction{of_driven * (question.quantity != 'cooling')}"
 
 
 def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:

@@ -26,7 +26,7 @@ from .expectation import (
     expected,
     expected_rubbing,
     extrapolated,
-    knows_heated,
+    knows_driven,
     rubbing,
     smooth_error,
 )
@@ -83,7 +83,8 @@ class Surroundings:
     quantity: str = "cooling"  #: that the gas is judged by: a field of ``Expected``
     #: Error of the temperature over that at equal heating power, at a mean impact speed; None: no bath.
     heat_share: Callable[[float], float] | None = None
-    #: Error of the temperature of a heated gas by leaving friction out, at a mean impact speed; None: not heated.
+    #: Error of the temperature of a heated gas, or of the stress of a sheared one, by leaving friction out, at a mean
+    #: impact speed; None: not driven.
     without_friction: Callable[[float], float | None] | None = None
     heats_spins: bool = False  #: whether a thermostat acts on spins, too
     restitution_error: float = DEFAULT_ERROR  #: that a time step may cause
@@ -418,16 +419,16 @@ def _with_friction(
     tc_nu: float,
     wider: float,
 ) -> dict[str, Any]:
-    """The errors of event-driven cooling and heating with the friction of the grains, if it and their inertia factors
-    are the same; empty if not known.
+    """The errors of event-driven simulation with the friction of the grains, if it and their inertia factors are the
+    same; empty if not known.
 
     ``wider``: a further relative error.
     """
     law, phi, at = case.friction, gas.packing_fraction, gas.mean_speed or speed
-    if not law.coefficient or law.terms is None or phi is None or gas.quantity == "stress":
+    if not law.coefficient or law.terms is None or phi is None:
         return {}
-    heated = gas.quantity == "temperature"
-    if heated and (gas.heats_spins or not knows_heated(gas.dimension, force.powers)):
+    driven = gas.quantity != "cooling"
+    if driven and (gas.heats_spins or not knows_driven(gas.dimension, force.powers)):
         return {}
     if len(gas.frictions) > 1 or len(gas.inertia_factors) > 1:  # not known of mixtures
         return {}
@@ -439,22 +440,23 @@ def _with_friction(
     state = gas.dimension, phi, mean.restitution, force.powers, grains
 
     def error(rule: str, x: float) -> Expected | None:
-        prediction = expected_rubbing(rule, *state, x)
+        prediction = expected_rubbing(rule, *state, x, sheared=gas.quantity == "stress")
         return prediction and _in_bath(prediction, gas, speed).wider(wider)
 
     known = error("law", tc_nu)
     if known is None:
         return {}
     numbers: dict[str, Any] = {}
-    for rule in ("constant", "law") if usual_rule(force) == "constant" and not heated else ("law",):
+    for rule in ("constant", "law") if usual_rule(force) == "constant" and not driven else ("law",):
         if (value := error(rule, tc_nu)) is not None:
             numbers[rule], numbers[f"{rule}±"] = value.cooling
     numbers["heated_error"], numbers["heated_error_bar"] = known.temperature or (None, None)
+    numbers["sheared_error"], numbers["sheared_error_bar"] = known.stress or (None, None)
     largest = _largest_tc_nu(lambda x: getattr(error("law", x), gas.quantity, None))
     exponent = 0.25 * force.powers.elastic + 1.0
     softening = None if largest is None else (tc_nu / largest) ** exponent
-    without = gas.without_friction(at) if gas.without_friction else None if heated else smooth_error(*state)
-    said = {"smooth_error": without, "extrapolated": extrapolated(*state, heated)}
+    without = gas.without_friction(at) if gas.without_friction else None if driven else smooth_error(*state)
+    said = {"smooth_error": without, "extrapolated": extrapolated(*state, gas.quantity)}
     return numbers | said | {"rule": "law", "softening": softening}
 
 

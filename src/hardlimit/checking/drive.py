@@ -155,7 +155,7 @@ class Drive:
         """The steady state of a contact's grains; None if it is not known, or theory does not apply.
 
         ε and β are those of the contact at the mean impact speed. Grains of two sizes count as equal ones of their mean
-        size and mass. Under shear, and where β is not known, theory is that of grains without friction.
+        size and mass. Where β is not known, theory is that of grains without friction.
         """
         gas = None if case.force is None else self.gas(case, dimension, packing_fraction)
         if gas is None:
@@ -166,7 +166,7 @@ class Drive:
             if not 0.0 < speed < math.inf:
                 return None
             restitution = restitution_of(case, speed)
-            rubbing = None if self.shear_rate is not None else rotating(case, gas, speed, restitution)
+            rubbing = rotating(case, gas, speed, restitution)
             elastic = restitution > 1.0 - ELASTIC and self.bath is None and rubbing is None
             if elastic or (restitution < LEAST_IN_SHEAR and self.shear_rate is not None):
                 return None
@@ -186,19 +186,39 @@ class Drive:
         """The steady state at this ε, of smooth grains without ``rubbing``; a speed of 0 if there is none."""
         if rubbing is None:
             return Steady(math.sqrt(math.pi * self.temperature(gas, restitution)))
+        if self.shear_rate is not None:
+            try:
+                temperature = rubbing.sheared_temperature(self.shear_rate)
+            except ValueError:  # nothing is dissipated
+                return Steady(0.0)
+            return Steady(math.sqrt(math.pi * temperature), rubbing.heated_temperature_ratio())
         heated = rubbing.heated_state(*self.heats(gas))
         if heated is None:
             return Steady(0.0)
         return Steady(math.sqrt(math.pi * heated.temperature), heated.temperature_ratio)
 
     def without_friction(self, case: Case, gas: Gas, speed: float) -> float | None:
-        """By how much the temperature of hard spheres is off if they leave friction out, at this mean impact speed."""
+        """Error of the temperature, under shear of the stress, of hard spheres that leave friction out, at this mean
+        impact speed."""
         restitution = restitution_of(case, speed)
         rubbing = rotating(case, gas, speed, restitution)
+        if self.shear_rate is not None:
+            return None if rubbing is None else self._smooth_stress(gas, restitution, rubbing)
         state = None if rubbing is None else rubbing.heated_state(*self.heats(gas))
         if state is None or (restitution > 1.0 - ELASTIC and self.bath is None):
             return None
         return self.temperature(gas, restitution) / state.temperature - 1.0
+
+    def _smooth_stress(self, gas: Gas, restitution: float, rubbing: RotatingGas) -> float | None:
+        """The shear stress without friction over that with it, less 1; None if smooth grains have no steady state."""
+        assert self.shear_rate is not None
+        if not LEAST_IN_SHEAR <= restitution <= 1.0 - ELASTIC:
+            return None
+        # Stress times shear rate is the loss of a collision times T^(3/2).
+        hotter = self.temperature(gas, restitution) / rubbing.sheared_temperature(self.shear_rate)
+        theta = rubbing.heated_temperature_ratio()
+        loss = -rubbing.mean_collision(0.0 if math.isnan(theta) else theta).energy_change
+        return float((1.0 - restitution**2) / loss * hotter**1.5 - 1.0)
 
     def gas(self, case: Case, dimension: int, packing_fraction: float | None) -> Gas | None:
         """One grain of the mean size and mass of a contact's grains, in its share of the box; None if not known."""

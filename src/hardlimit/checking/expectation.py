@@ -58,15 +58,8 @@ def expected(
     same_elastic = [known for known in MEASURED_POWERS if known[0] == powers.elastic]
     nearest = form if form in same_elastic or not same_elastic else same_elastic[0]
     law = _law(rule, dimension, packing_fraction, restitution, nearest)
-    error, bar = law.error(tc_nu), law.error_bar(tc_nu)
-    heated = law.heated_error(tc_nu)
-    stress = math.nan if law.no_shear() else law.sheared_errors(tc_nu).stress
-    # Temperatures go as the power −2/3 of the rate of cooling, stresses as −1/2.
-    errors = Expected(
-        (error, bar),
-        None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
-        None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
-    )
+    bar = law.error_bar(tc_nu)
+    errors = Expected((law.error(tc_nu), bar), *_driven(law, tc_nu, bar))
     return errors if form in MEASURED_POWERS else errors.wider(OTHER_POWERS)
 
 
@@ -100,9 +93,12 @@ def expected_rubbing(
     powers: Powers,
     grains: Rubbing,
     tc_nu: float,
+    *,
+    sheared: bool,
 ) -> Expected | None:
-    """The errors of cooling and heating under the rule law or constant with the friction of the grains; None if they
-    are not known. That of heating is known under the rule law for spheres with linear springs.
+    """The errors under the rule law or constant with the friction of the grains; None if they are not known. Those of
+    heating and shear are known under the rule law for spheres with linear springs. That of shear takes a second and
+    is left out unless the gas is ``sheared``.
 
     The spins at the start of a cooling gas are not known. Its error is the mean of that without spins and that of equal
     temperatures, and half of their difference is in its bar.
@@ -111,16 +107,26 @@ def expected_rubbing(
     if not laws:
         return None
     first, second = (law.error(tc_nu) for law in laws)
-    bar, heated = max(law.error_bar(tc_nu) for law in laws), laws[0].heated_error(tc_nu)
-    return Expected(
-        (0.5 * (first + second), math.hypot(bar, 0.5 * (first - second))),
+    bar = max(law.error_bar(tc_nu) for law in laws)
+    cooling = 0.5 * (first + second), math.hypot(bar, 0.5 * (first - second))
+    return Expected(cooling, *_driven(laws[0], tc_nu, bar, sheared))
+
+
+def _driven(
+    law: ErrorLaw, tc_nu: float, bar: float, sheared: bool = True
+) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+    """The errors of heating and shear, where they are known. Temperatures go as the power −2/3 of the rate of cooling,
+    whose error has this bar, stresses as −1/2."""
+    heated = law.heated_error(tc_nu)
+    stress = math.nan if law.no_shear() or not sheared else law.sheared_errors(tc_nu).stress
+    return (
         None if math.isnan(heated) else (heated, 2.0 / 3.0 * (1.0 + heated) * bar),
-        None,
+        None if math.isnan(stress) else (stress, (1.0 + stress) * math.hypot(0.5 * bar, SHEAR_BAR * tc_nu)),
     )
 
 
-def knows_heated(dimension: int, powers: Powers) -> bool:
-    """Whether there is a law of the error of a heated gas with friction: for spheres with linear springs."""
+def knows_driven(dimension: int, powers: Powers) -> bool:
+    """Whether the errors of heated and sheared gases with friction are known: for spheres with linear springs."""
     return dimension == 3 and (powers.elastic, powers.damping) == LINEAR_POWERS
 
 
@@ -133,17 +139,22 @@ def smooth_error(
 
 
 def extrapolated(
-    dimension: int, packing_fraction: float, restitution: float, powers: Powers, grains: Rubbing, heated: bool
+    dimension: int,
+    packing_fraction: float,
+    restitution: float,
+    powers: Powers,
+    grains: Rubbing,
+    quantity: str,
 ) -> str:
-    """How the grains are outside what was measured, in words; empty if they are inside or nothing is known."""
+    """How the grains are outside what was measured of a quantity, a field of :class:`Expected`, in words; empty if they
+    are inside or nothing is known."""
     e = float(f"{restitution:.6g}")
     laws = _rubbing_laws("law", dimension, packing_fraction, e, powers, grains)
-    if not (heated and laws):
+    if quantity == "cooling" or not laws:
         return laws[0].extrapolated if laws else ""
     form = (powers.elastic, powers.damping)
-    return Setting(dimension, e, grains.friction, 0.0, grains.inertia_factor, form).outside_heated(
-        packing_fraction
-    )
+    grains_of = Setting(dimension, e, grains.friction, 0.0, grains.inertia_factor, form)
+    return grains_of.outside_driven(packing_fraction, quantity == "stress")
 
 
 @cache

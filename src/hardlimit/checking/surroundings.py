@@ -80,7 +80,7 @@ def examined(
     for case in contacts:
         at, where = speeds, gas
         grain = None if purpose is None else purpose.gas(case, gas.dimension, gas.packing_fraction)
-        if purpose is not None and grain is not None and purpose.quantity == "temperature":
+        if purpose is not None and grain is not None:
             share = None if purpose.bath is None else partial(purpose.heat_share, grain)
             missing = partial(purpose.without_friction, case, grain)
             where = replace(gas, heat_share=share, without_friction=missing, heats_spins=purpose.heats_spins)

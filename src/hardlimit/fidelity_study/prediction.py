@@ -60,8 +60,6 @@ def predicted(f: Fidelity, rule: str) -> Prediction:
     """
     thermostat = f.start.thermostat
     heated = isinstance(thermostat, RandomKicks)
-    if rubs(f.plan.law) and f.sheared:
-        return Prediction(reason="with friction it is that of a cooling or heated gas")
     if rubs(f.plan.law) and isinstance(thermostat, RandomKicks) and thermostat.rotational:
         return Prediction(reason="with friction it is that of kicks on velocities only")
     if f.sheared and thermostat is not None:
@@ -151,7 +149,8 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
         return Prediction(reason=f"the law of the error of shear is not that of {reason}")
     value = law.sheared_errors(at).temperature
     bar = (1.0 + value) * math.hypot(law.error_bar(at), SHEAR_BAR * at)
-    return Prediction(value, bar, extrapolated=law.extrapolated)
+    outside = "" if law.setting is None else law.setting.outside_driven(law.packing_fraction, sheared=True)
+    return Prediction(value, bar, extrapolated=outside or law.extrapolated)
 
 
 def _spinning(f: Fidelity) -> float:
