@@ -60,6 +60,8 @@ SAFE_SHARE: Final = 0.5
 #: make a column this many times as high as wide.
 LAYERS: Final = 100
 SLENDER: Final = 10.0
+#: Radius over the diameter of grains of the narrowest drum.
+NARROWEST: Final = 5.0
 #: The part of the contact duration that is usually taken as the time step.
 USUAL_STEP: Final = 50.0
 
@@ -108,6 +110,9 @@ PRESSED: Final = {
 }
 #: Least and largest φ z over these, by the first packing fraction, rate, damping and tangential springs.
 PREPARED: Final = (0.92, 1.09)
+#: Least one of softer grains, below this κ_p, which were not measured: cells and triaxial boxes that YADE compresses at
+#: κ_p from 50 to 500 have 0.83 to 1.
+SOFTER, LEAST_OF_SOFTER = 1e3, 0.83
 #: Decrease of φ z over the standard deviation of the radii in units of their mean, and the largest that was measured:
 #: small grains between large ones carry nothing.
 NARROWER, MEASURED_WIDTH = 0.5, 0.2 / math.sqrt(3.0)
@@ -629,6 +634,7 @@ class GrainState:
     slope_inertial_number: tuple[float, float] | None = None  #: range of I of a deep layer at this tilt
     rest_angle: float | None = None  #: [°] below which such a layer comes to rest
     froude_number: float | None = None  #: Fr = ω²R/g of a drum
+    rolling_radius: float | None = None  #: 0.01 g/ω² [m], with Fr = 0.01, if such a drum holds grains
     centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
 
     @property
@@ -732,6 +738,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         slope_inertial_number=load.slope_inertial_number,
         rest_angle=load.rest_angle,
         froude_number=load.froude_number,
+        rolling_radius=_rolling_radius(load, diameter),
         centrifuging_radius=load.centrifuging_radius,
     )
     if (
@@ -753,6 +760,12 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if dimension == 2 or not rough or kappa < SOFTEST:
         return state
     return replace(state, packing_excess=DENSER / kappa, coordination_excess=MORE_CONTACTS / math.sqrt(kappa))
+
+
+def _rolling_radius(load: Load, diameter: float | None) -> float | None:
+    """Radius up to which a drum rolls; None without one, and if it has no room for grains of this diameter."""
+    radius = 0.01 * (load.centrifuging_radius or 0.0)
+    return radius if radius >= NARROWEST * (diameter or 0.0) and radius > 0.0 else None
 
 
 def _supposed(
@@ -841,6 +854,7 @@ def _prepared(overlap: float, contact: Loaded, kappa: float) -> dict[str, Any]:
     if packing.prepared is None or contact.dimension != 3:
         return {}
     least, most = packing.prepared
+    least = min(least, LEAST_OF_SOFTER) if kappa < SOFTER else least
     smooth = packing.carrying(kappa, 3) / pressed(0.0).carrying(kappa, 3)
     return {
         "overlap_range": (overlap * most**-power, overlap * least**-power),

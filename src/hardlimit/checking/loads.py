@@ -70,6 +70,8 @@ class Around(NamedTuple):
     bed: dumps.Bed | None = None  #: of a dump or a system
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
+    piston: bool = False  #: whether a wall moved along gravity in this run or one before
+    elastic: bool = False  #: whether nothing dissipates, so that no grain comes to rest
     fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
 
@@ -108,7 +110,7 @@ def load_of(
     )
     if options.height is not None and not stage.gravity:
         raise ValueError(f"height: got {options.height:g}, must be left out without gravity")
-    rests = support.rests or options.height is not None
+    rests = (support.rests and not around.elastic) or options.height is not None
     rate, lasting = stage.shear_rate if shear_rate is None else shear_rate, around.lasting
     if stage.gravity and support.moves and not (rests or lasting or under_pressure):
         frequency = None if support.motion is None else support.motion.frequency
@@ -130,7 +132,8 @@ def load_of(
         speed_unit=around.speed_unit,
     )
     load = replace(load, **_pressure(stage, options, around, under_pressure))
-    beside = ["the fluid"] * around.fluid + [stage.contents.without] * bool(stage.contents.without)
+    walls = stage.contents.without or "what moving walls add" * support.moves
+    beside = ["the fluid"] * around.fluid + [walls] * bool(walls)
     if load.weight and beside:
         load = replace(load, origin=f"{load.origin}, without {listed(beside)}")
     if stage.gravity and stage.down:
@@ -169,7 +172,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
         return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": "as the script says"}
-    if stage.gravity is None:
+    if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope
     kinds = _kinds(stage, around)

@@ -103,8 +103,10 @@ def _drum(state: GrainState, plain: bool) -> str:
         return f"The drum turns with Fr = ω²R/g = {digits(froude, 2)}: {flows.way_of(froude)}"
     if state.centrifuging_radius is None:
         return ""
-    border = state.centrifuging_radius
-    rolls, whirls = (digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in (0.01 * border, border))
+    radii = state.rolling_radius or 0.0, state.centrifuging_radius
+    rolls, whirls = (digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in radii)
+    if state.rolling_radius is None:
+        return f"A drum that turns so is centrifuging from R = {whirls} on (Fr = ω²R/g = 1)"
     return f"A drum that turns so is rolling up to R = {rolls} (Fr = ω²R/g = 0.01), centrifuging from {whirls} on (1)"
 
 

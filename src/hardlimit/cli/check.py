@@ -48,6 +48,7 @@ Example:
 
 CODES = ("lammps", "liggghts", "yade")
 #: A corrected time step without a reason of its own.
+STEP = re.compile(r"timestep|O\.dt = ")
 OWN_STEP = re.compile(r"(timestep|O\.dt = )(?!.*  # (?!\w+ units))")
 #: Options whose names are not those of their arguments.
 OPTIONS = {"variables": "--var", "shear_rate": "--shear"}
@@ -292,6 +293,8 @@ def corrections(verdict: Verdict) -> str:
         return ""
     step = any(OWN_STEP.match(line) for line in verdict.corrected)
     of = f" (time step for an error of ε of {digits(verdict.restitution_error, 2)})" if step else " (for ε)"
+    if all(STEP.match(line) for line in verdict.corrected) and not step:
+        of = ""  # which say what they are for
     return f"Corrected lines{of}:"
 
 

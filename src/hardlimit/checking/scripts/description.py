@@ -119,6 +119,7 @@ class Motion:
     amplitude: Direction | None = None  #: of an oscillation along each axis
     frequency: float | None = None  #: angular, of this oscillation
     velocity: float | None = None  #: of a steady motion
+    course: Direction | None = None  #: its components
     turning: Direction | None = None  #: angular velocity of a steady rotation
     radius: float | None = None  #: of a cylinder that turns about its axis
 
