@@ -480,3 +480,8 @@ def given(values: Mapping[str, str]) -> Variables:
     return Variables(
         {name: Variable("index", tuple(text.split()) or ("",), fixed=True) for name, text in values.items()}
     )
+
+
+def is_variable(word: str) -> bool:
+    """Whether a word contains a variable."""
+    return word.startswith("v_") or UNRESOLVED.search(word) is not None

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from . import gravity
+
 if TYPE_CHECKING:
     from .description import Stage
     from .state import Fix, State
@@ -90,7 +92,9 @@ def _one_pull(state: State) -> bool:
         return True
     group = state.members(pulls[0].group)
     every = group.types is None and group.whole
-    return len(pulls) == 1 and every and state.gravity() is not None and state.down() is not None
+    return (
+        len(pulls) == 1 and every and gravity.strength(state) is not None and gravity.down(state) is not None
+    )
 
 
 def _apart(state: State, stage: Stage, places: Sequence[tuple[float, ...]]) -> bool:

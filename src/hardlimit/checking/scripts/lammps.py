@@ -13,8 +13,9 @@ from . import census, filling, granular_words, lammps_friction, motion
 from .description import WALL, ContactSettings, Quote, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import ADHESIVE, NORMAL, PLASTIC, WALLS, Words, is_zero, ordered, unaccelerated
+from .groups import MAX_TYPES
 from .population import Batch
-from .state import CREATED, DISK, MAX_TYPES, SPHERE, Fix, State
+from .state import CREATED, DISK, SPHERE, Fix, State
 from .statements import Statement, refused, settings
 
 #: Words after the shape of a wall with their number of values.

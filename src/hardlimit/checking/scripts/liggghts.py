@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from ...convert.tangential import Tangential
-from . import census, clumps, filling, granular_words, liggghts_friction, motion
+from . import census, clumps, filling, granular_words, gravity, liggghts_friction, motion
 from .description import ContactSettings, Note, Quote, Range, Setting, Settings
 from .formulas import NUMBER
 from .granular_words import PROPERTIES, Words, is_zero, unaccelerated
+from .groups import MAX_TYPES
 from .materials import one_material
 from .population import Batch
-from .state import DISK, MAX_TYPES, SPHERE, Fix, State
+from .state import DISK, SPHERE, Fix, State
 from .statements import Statement, refused, same_word, settings
 
 #: Properties that the models read; each depends on two types.
@@ -323,7 +324,9 @@ class Liggghts(State):
                 model = settings(fix.statement, parsed.settings)
                 shapes = [granular_words.pushes(word) for word in parsed.rest]
                 pushes = next((shape for shape in shapes if shape is not None), None)
-                moves = motion.strongest([motion.of_mesh(self, word) for word in parsed.rest], self.down())
+                moves = motion.strongest(
+                    [motion.of_mesh(self, word) for word in parsed.rest], gravity.down(self)
+                )
                 for kind in kinds:
                     for end in ends:
                         numbers, quotes = self.between(kind, end)

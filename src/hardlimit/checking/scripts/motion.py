@@ -13,7 +13,7 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Final
 
-from . import meshes
+from . import gravity, meshes
 from .description import Bath, Direction, Motion, Note
 from .formulas import NUMBER
 
@@ -449,7 +449,7 @@ def of_mesh(state: State, name: str) -> Motion | None:
         if fix.style.startswith("move/mesh") and "mesh" in fix.words[:-1]
         if fix.words[fix.words.index("mesh") + 1] == name
     ]
-    return strongest(motions, state.down())
+    return strongest(motions, gravity.down(state))
 
 
 def strongest(motions: Sequence[Motion | None], down: Direction | None = None) -> Motion | None:

@@ -15,7 +15,8 @@ from .filling import Filling
 from .population import Population
 
 if TYPE_CHECKING:
-    from .state import Group, State
+    from .groups import Group
+    from .state import State
 
 #: Most files of a folder in which the script is looked for, their largest size in bytes, the most commands of one that
 #: are read, and the most scripts of which each reads what the one before writes.

@@ -5,15 +5,14 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from pathlib import Path
 from typing import Final, Self
 
 from ...support.formatting import listed
-from . import conditions, filling, free_fall, motion, population, restart
-from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, text_of
+from . import conditions, filling, free_fall, gravity, motion, population, restart, set_command
+from .commands import SILENT, UNRESOLVED, USE_LOG, Variables, is_variable, text_of
 from .description import (
     WALL,
     ContactSettings,
@@ -28,8 +27,10 @@ from .description import (
 )
 from .formulas import NUMBER
 from .granular_words import unaccelerated
+from .gravity import DIRECTIONS
+from .groups import MAX_TYPES, Group, Groups
 from .population import Batch, Population
-from .reader import Reader, names
+from .reader import names
 from .statements import Branch, Place, Refusal, Statement, Undefined, refused
 
 #: Default time step of each system of units.
@@ -47,46 +48,11 @@ TIME_STEPS: Final = {
 SPHERE, DISK = 0.4, 0.5
 #: Grains that ``create_atoms`` makes: radius 0.5, density 1.
 CREATED: Final = Batch((0.5, 0.5), (1.0, 1.0))
-MAX_TYPES: Final = 100
-MAX_NUMBER: Final = 10**9  #: of a grain
 MAX_FORKS: Final = 3  #: states at a label with which a new one is compared
 ZEROS: Final = {"0", "0.0", "0."}
-#: Styles of ``group``, ``create_atoms`` and ``fix gravity``.
-GROUP_STYLES: Final = names("""
-type id molecule region union subtract intersect empty include variable clear delete dynamic static initialize
-""")
 PLACES: Final = {"box", "region", "single", "random", "mesh"}
-DIRECTIONS: Final = (("chute",), ("spherical",), ("vector",))
-#: Logical operators of ``group … type``.
-COMPARISONS: Final[dict[str, Callable[[int, int, int], bool]]] = {
-    "<": lambda k, a, _: k < a,
-    ">": lambda k, a, _: k > a,
-    "<=": lambda k, a, _: k <= a,
-    ">=": lambda k, a, _: k >= a,
-    "==": lambda k, a, _: k == a,
-    "!=": lambda k, a, _: k != a,
-    "<>": lambda k, a, b: a <= k <= b,
-}
-#: Keywords of ``set`` that change sizes or masses, and types.
-SET_KEYWORDS: Final = ("diameter", "density", "density/disc", "mass", "shape")
-TYPE_KEYWORDS: Final = ("type", "type/fraction", "type/ratio", "type/subset")
-#: Keywords of ``set`` in LAMMPS and LIGGGHTS, by the number of their values.
-SET_WORDS: Final = {
-    1: """
-type diameter density density/disc mass mol x y z vx vy vz omegax omegay omegaz inertiax inertiay inertiaz charge
-quat/random length tri theta theta/random volume temperature bond angle dihedral improper rheo/rho rheo/status
-sph/e sph/cv sph/rho meso/e meso/cv meso/rho epsilon dpd/theta edpd/temp edpd/cv
-meso_e meso_cv meso_rho sphkernel add until
-""",
-    2: "dipole/random spin/random spin/atom/random cc blockiness roundness aspect_ratio",
-    3: "type/fraction type/ratio type/subset shape dipole angmom omega image spin",
-    4: "quat quat_direct spin/atom",
-}
-SET_COUNTS: Final = {word: count for count, words in SET_WORDS.items() for word in words.split()}
 #: Section of a data file with contacts.
 COEFFICIENTS: Final = re.compile(r"^\s*Pair(?:IJ)? Coeffs\b", re.MULTILINE)
-#: Properties that ``fix property/atom`` defines.
-CUSTOM: Final = re.compile(r"[id]2?_\w+")
 #: Commands that are read below, or that affect neither contacts nor grains.
 HARMLESS: Final = SILENT | names("""
 angle_coeff angle_style atom_modify balance boundary box change_box comm_modify comm_style communicate create_bonds
@@ -142,14 +108,6 @@ CLUMP_STYLES: Final = ("ellipsoid", "line", "tri", "body", "superquadric", "conv
 
 
 @dataclass(frozen=True)
-class Group:
-    """The types of a group's grains; None for any type."""
-
-    types: frozenset[int] | None
-    whole: bool  #: whether all grains of these types belong to it
-
-
-@dataclass(frozen=True)
 class Fix:
     """A fix that is in force."""
 
@@ -160,7 +118,7 @@ class Fix:
 
 
 @dataclass
-class State(Reader):
+class State(Groups):
     """Commands that LAMMPS and LIGGGHTS share; a subclass reads the contacts."""
 
     variables: Variables
@@ -184,9 +142,8 @@ class State(Reader):
     def reset(self) -> None:
         """As the command ``clear``."""
         self.units, self.units_given, self.dimension = "lj", False, 3
-        self.groups = {"all": Group(None, True)}
-        self.labels: dict[str, int] = {}
-        self.population, self.types = Population(), 0
+        self.forget_groups()
+        self.population = Population()
         self.fixes: dict[str, Fix] = {}
         self.targets: dict[str, str] = {}  #: of servos, from ``fix_modify``
         self.time_step: float | None = None
@@ -420,124 +377,6 @@ class State(Reader):
         if not any((other.file, other.line) == (quote.file, quote.line) for other in self.unknown):
             self.unknown[replace(quote, text=f"{quote.text} ({reason})" if reason else quote.text)] = None
 
-    # --- types and groups ---------------------------------------------------------------------------------------
-
-    def type_of(self, word: str) -> int:
-        """A type by its number or label; 0 if it is neither."""
-        if word.isdecimal() and len(word) < 7:
-            return int(word)
-        return self.labels.get(word, 0)
-
-    def types_of(self, word: str) -> range:
-        """Types within ``2``, ``*``, ``2*``, ``*3`` or ``1*3``, also those that only a later command makes known."""
-        low, star, high = word.partition("*")
-        if not star:
-            kind = self.type_of(word)
-            return range(kind, kind + 1) if kind else range(0)
-        first = self.type_of(low) if low else 1
-        last = self.type_of(high) if high else MAX_TYPES
-        return range(first, min(last, MAX_TYPES) + 1)
-
-    def count(self) -> int:
-        """Number of types, as far as it is known."""
-        return min(max([self.types, self.types_seen, *self.population.batches, 1]), MAX_TYPES)
-
-    def present(self) -> list[int]:
-        """Types of which there are grains, or all if these are not known."""
-        if self.population.batches and not self.population.elsewhere:
-            return sorted(self.population.batches)
-        return list(range(1, self.count() + 1))
-
-    def members(self, group: str) -> Group:
-        """A group; any part of the grains if it is not known."""
-        return self.groups.get(group, Group(None, False))
-
-    def within(self, group: Group) -> Collection[int]:
-        """The types of a group among those present."""
-        return [kind for kind in self.present() if group.types is None or kind in group.types]
-
-    def command_group(self, statement: Statement) -> None:
-        name, style, *words = (*statement.words[1:], "", "")
-        words = [word for word in words if word]
-        if style not in GROUP_STYLES:
-            self.unknown[statement.quote] = None
-        old = self.groups.get(name)
-        if style in ("delete", "clear"):
-            self.groups.pop(name, None)
-        elif name != "all":
-            if style == "type":
-                new = self.group_of_types(words)
-            else:
-                new = self.group_of_atoms(words) if style == "id" else self.combined(style, words)
-            if old is not None and old.types is not None and new.types is not None:
-                new = Group(old.types | new.types, old.whole and new.whole)  # a second command adds grains
-            self.groups[name] = new
-
-    def group_of_types(self, words: Sequence[str]) -> Group:
-        """Grains of types such as ``1 3``, ``1:3``, ``> 2`` or ``<> 2 4``."""
-        if words[:1] and words[0] in COMPARISONS:
-            limits = [int(word) for word in words[1:] if word.isdecimal()]
-            within = COMPARISONS[words[0]]
-            every = range(1, self.count() + 1) if limits else ()
-            return Group(frozenset(k for k in every if within(k, limits[0], limits[-1])), True)
-        kinds: set[int] = set()
-        for word in words:
-            first, _, last = word.partition(":")
-            last = last.partition(":")[0]
-            if not self.population.batches:  # a part of a script, whose types are those that it names
-                self.types = max(self.types, min(self.type_of(last or first), MAX_TYPES))
-            kinds |= set(self.types_of(f"{first}*{last}" if last else first))
-        return Group(frozenset(kinds), True)
-
-    def group_of_atoms(self, words: Sequence[str]) -> Group:
-        """Grains with numbers such as ``1 3`` or ``1:3``; any part of the grains if their types are not known."""
-        ends = [word.partition(":") for word in words]
-        if self.population.elsewhere or not all(
-            word.isdecimal() and len(word) < 10 for first, _, last in ends for word in (first, last or first)
-        ):
-            return Group(None, False)
-        ranges = [range(int(first), int(last or first) + 1) for first, _, last in ends]
-        chosen = {
-            kind: [batch.atom is not None and any(batch.atom in r for r in ranges) for batch in batches]
-            for kind, batches in self.population.batches.items()
-        }
-        if any(batch.atom is None for batches in self.population.batches.values() for batch in batches):
-            return Group(None, False)
-        chosen = {kind: each for kind, each in chosen.items() if any(each)}
-        return Group(frozenset(chosen), all(map(all, chosen.values())))
-
-    def combined(self, style: str, names: Sequence[str]) -> Group:
-        """A union, difference or intersection of groups; any part of the grains for other styles, such as region."""
-        parts = [self.members(name) for name in names]
-        known = [part.types for part in parts if part.types is not None]
-        whole = all(part.whole for part in parts)
-        if style == "empty":
-            return Group(frozenset(), True)
-        if style == "union" and len(known) == len(parts):
-            return Group(frozenset().union(*known), whole)
-        if style == "union" and any(part.types is None and part.whole for part in parts):
-            return Group(None, True)
-        if style == "intersect" and parts:
-            return Group(frozenset.intersection(*known) if known else None, whole)
-        if style == "subtract" and parts:
-            first, *others = parts
-            types = first.types
-            if types is None and first.whole:
-                types = frozenset(range(1, self.count() + 1))
-            minus = frozenset().union(
-                *(part.types for part in others if part.types is not None and part.whole)
-            )
-            exact = whole and all(part.types is not None for part in others)
-            return Group(None if types is None else types - minus, exact)
-        return Group(None, False)
-
-    def command_labelmap(self, statement: Statement) -> None:
-        if statement.words[1:2] == ("atom",):
-            words = statement.words[2:]
-            for number, label in zip(words[::2], words[1::2], strict=False):
-                if number.isdecimal():
-                    self.labels[label] = int(number)
-
     # --- settings of the run ------------------------------------------------------------------------------------
 
     def command_units(self, statement: Statement) -> None:
@@ -672,9 +511,9 @@ class State(Reader):
             steps=steps,
             contacts=tuple(contact for contact in self.contacts() if contact.types not in self.excluded),
             grains=grains,
-            gravity=self.gravity(),
+            gravity=gravity.strength(self),
             numerical_damping=None,
-            down=self.down(),
+            down=gravity.down(self),
             pressed=pressed,
             pressure=motion.pressure(self),
             edges=tuple(self.edges.get(axis) for axis in motion.AXES),
@@ -894,82 +733,7 @@ class State(Reader):
         self.elsewhere(statement, "such files are not read")
 
     def command_set(self, statement: Statement) -> None:
-        words = statement.words
-        if len(words) < 4:
-            self.unknown[statement.quote] = None
-            return
-        style, name = words[1], words[2]
-        if style == "type":
-            chosen = Group(frozenset(self.types_of(name)), True)
-        elif style == "group":
-            chosen = self.members(name)
-        else:
-            chosen = Group(None, style == "atom" and name == "*")
-        atoms = atoms_of(name) if style == "atom" else None
-        changes: list[Callable[[Batch], Batch]] = []
-        k = 3
-        while k < len(words):
-            word, values = words[k], words[k + 1 :]
-            if word.startswith("property/atom"):  # a property of its own with all its values
-                break
-            if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
-                self.quote_with(statement, f"{word} is not understood")
-                break
-            if word in ("vx", "vy", "vz", "x", "y", "z"):
-                self.filling.launches.append(free_fall.UNKNOWN)
-            if word in TYPE_KEYWORDS:
-                self.set_type(statement, chosen, word, values[:count], atoms)
-            elif word in SET_KEYWORDS:
-                value = None if word == "shape" else self.set_number(statement, values[0])
-                if value is None or value < 0.0:
-                    self.unknown[statement.quote] = None
-                    value = None
-                changes.append(self.changed(word, value))
-                if word in ("diameter", "shape"):
-                    self.resized()
-                    radius = None if value is None or word == "shape" else 0.5 * value
-                    whole = chosen.whole and atoms is None
-                    self.filling.census.change(self.within(chosen), whole, radius)
-            k += 1 + count
-        self.last = statement
-        self.population.change(
-            self.within(chosen),
-            chosen.whole,
-            lambda batch: reduce(lambda now, change: change(now), changes, batch),
-            atoms,
-            chosen.types is None and chosen.whole and atoms is None,
-        )
-
-    def resized(self) -> None:
-        """Grains that were inserted at least their diameters apart may overlap with others."""
-        if any(launch.place is None for launch in self.filling.launches):
-            self.filling.launches.append(free_fall.UNKNOWN)
-
-    def set_type(
-        self, statement: Statement, chosen: Group, word: str, values: Sequence[str], atoms: range | None
-    ) -> None:
-        """Another type for grains: ``type T``, ``type/fraction T share seed``, or a number of grains."""
-        kind = self.type_of(values[0])
-        share = 1.0 if word == "type" else None
-        if word == "type/subset":
-            share = 0.0 if values[1] == "0" else None
-        elif word != "type":
-            share = self.number(statement, values[1])
-        if not 1 <= kind <= MAX_TYPES or not 0.0 <= (0.5 if share is None else share) <= 1.0:
-            self.elsewhere(statement)
-        elif share != 0.0:
-            whole = share == 1.0
-            known = share if chosen.whole and atoms is None else None
-            self.filling.census.convert(self.within(chosen), kind, known)
-            self.population.convert(
-                self.within(chosen), chosen.whole and whole, kind, atoms if whole else None
-            )
-
-    def set_number(self, statement: Statement, word: str) -> float | None:
-        """A number of ``set``; None if it differs from grain to grain."""
-        if word.startswith("v_"):
-            return self.variables.of(word[2:])
-        return self.number(statement, word)
+        set_command.read(self, statement)
 
     def changed(self, keyword: str, value: float | None) -> Callable[[Batch], Batch]:
         """What a keyword of ``set`` does to grains. In LAMMPS, another diameter leaves the mass as it is."""
@@ -1082,77 +846,6 @@ class State(Reader):
             for fix in self.fixes.values()
         )
 
-    def gravity(self) -> float | None:
-        """The magnitude of gravity."""
-        pull = self.pulls()
-        if len(pull) > 1:
-            total = self.total(pull)
-            return None if total is None else math.hypot(*total) or None
-        return self.strength(pull[0]) if pull else None
-
-    def down(self) -> Direction | None:
-        """The direction of gravity."""
-        pull = self.pulls()
-        if len(pull) != 1:
-            total = self.total(pull)
-            size = math.hypot(*total or (0.0,))
-            return tuple(part / size for part in total) if total and size > 0.0 else None
-        return self.direction(pull[0])
-
-    def pulls(self) -> list[Fix]:
-        """The fixes of gravity that act together. Grains of other groups may have equal ones."""
-        fixes = [fix for fix in self.fixes.values() if fix.style == "gravity" and fix.words]
-        if len({fix.group for fix in fixes}) < 2:
-            for fix in fixes:
-                pulled = self.members(fix.group).types
-                moving = {kind for kind in self.present() if not self.frozen(kind)}
-                if pulled is not None and not moving <= pulled:
-                    self.quote_with(fix.statement, "other grains have no gravity")
-                    return []
-            return fixes
-        groups = [self.members(fix.group).types for fix in fixes]
-        known = [group for group in groups if group is not None]
-        apart = len(known) == len(fixes) and sum(map(len, known)) == len(frozenset().union(*known))
-        if not apart or len({fix.words for fix in fixes}) > 1:
-            self.unknown |= {fix.statement.quote: None for fix in fixes[1:]}
-        return fixes[:1]
-
-    def total(self, pulls: Sequence[Fix]) -> Direction | None:
-        """The sum of several fixes of gravity; None if one is not known, which is quoted."""
-        total = [0.0, 0.0, 0.0]
-        for fix in pulls:
-            size, direction = self.strength(fix), self.direction(fix)
-            if size is None or direction is None:
-                self.unknown[fix.statement.quote] = None
-                return None
-            total = [before + size * part for before, part in zip(total, direction, strict=True)]
-        return tuple(total)
-
-    def strength(self, fix: Fix) -> float | None:
-        """The magnitude of ``fix gravity``."""
-        word = fix.words[0]
-        if word.startswith("v_") and self.variables.of(word[2:]) is None:
-            self.unknown[fix.statement.quote] = None  # it changes in time
-            return None
-        return self.number(fix.statement, word)
-
-    def direction(self, fix: Fix) -> Direction | None:
-        """The direction of ``fix gravity``, as in LAMMPS' ``FixGravity``."""
-        if len(fix.words) < 3:
-            return None
-        _, style, *rest = fix.words
-        words = rest[: {"chute": 1, "spherical": 2, "vector": self.dimension}.get(style, 0)]
-        if not words or any(is_variable(word) and self.variables.of(word[2:]) is None for word in words):
-            return None
-        numbers = [self.number(fix.statement, word) for word in words]
-        if style == "vector":
-            size = math.hypot(*numbers)
-            return (*(x / size for x in numbers), *(0.0,) * (3 - len(numbers))) if size > 0.0 else None
-        azimuth, polar = map(math.radians, numbers if style == "spherical" else (0.0, 180.0 - numbers[0]))
-        if self.dimension == 2:
-            return math.sin(polar), math.cos(polar), 0.0
-        return math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)
-
     def walls_of(self, group: str) -> list[int]:
         """The types that meet the wall of a group."""
         return list(self.within(self.members(group)))
@@ -1177,17 +870,3 @@ class State(Reader):
         """A number that need not be known."""
         value = float(word) if NUMBER.fullmatch(word) else None
         return self.variables.of(word[2:]) if word.startswith("v_") else value
-
-
-def atoms_of(word: str) -> range | None:
-    """Numbers of grains within ``2``, ``2*``, ``*3`` or ``1*3``; None if it is not of this form."""
-    low, star, high = word.partition("*")
-    if not all(end.isdecimal() and len(end) < 10 for end in (low, high) if end) or word == "*" or not word:
-        return None
-    last = int(high) if high else MAX_NUMBER if star else int(low)
-    return range(int(low or 1), last + 1)
-
-
-def is_variable(word: str) -> bool:
-    """Whether a word contains a variable."""
-    return word.startswith("v_") or UNRESOLVED.search(word) is not None
