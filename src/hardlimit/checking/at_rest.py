@@ -61,7 +61,7 @@ SAFE_SHARE: Final = 0.5
 LAYERS: Final = 100
 SLENDER: Final = 10.0
 #: Radius over the diameter of grains of the narrowest drum.
-NARROWEST: Final = 5.0
+NARROWEST: Final = 2.0
 #: The part of the contact duration that is usually taken as the time step.
 USUAL_STEP: Final = 50.0
 
@@ -110,6 +110,9 @@ PRESSED: Final = {
 }
 #: Least and largest φ z over these, by the first packing fraction, rate, damping and tangential springs.
 PREPARED: Final = (0.92, 1.09)
+#: Mean of the normal stresses over that of a piston, without friction and with it: stresses across are about half as
+#: large, 1 − sin of an angle of repose of 27° to 30° (J. Jáky, 1944); 0.69 below a servo wall of LIGGGHTS.
+UNIAXIAL: Final = {True: 0.69, False: 0.96}
 #: Least one of softer grains, below this κ_p, which were not measured: cells and triaxial boxes that YADE compresses at
 #: κ_p from 50 to 500 have 0.83 to 1.
 SOFTER, LEAST_OF_SOFTER = 1e3, 0.83
@@ -567,6 +570,7 @@ class Load:
     origin: str = ""  #: of the pressure, in words
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
+    uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
     packing: Packing | None = None  #: as measured in a dump, or given
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains, if they are known and differ
     shear_rate: float | None = None
@@ -714,7 +718,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     bed = load.packing or PACKINGS[dimension, rough]
     if rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1:
         bed = bed._replace(stress_share=UNEQUAL_SHARE)
-    packing = bed if load.weight else bed._replace(stress_share=1.0)
+    packing = bed if load.weight else bed._replace(stress_share=UNIAXIAL[rough] if load.uniaxial else 1.0)
     contacts = loaded(moving, load.pressure, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None

@@ -24,6 +24,7 @@ from .supplied import SCALES
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
+BY_SCRIPT: Final = "as the script says"
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -139,6 +140,7 @@ def load_of(
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
+    load = replace(load, uniaxial=stage.uniaxial and load.origin == BY_SCRIPT)
     by_script = stage.pressed or stage.pressure is not None or around.barostat
     settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
     known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks
@@ -171,7 +173,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.pressure is not None:
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
-        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": "as the script says"}
+        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": BY_SCRIPT}
     if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope

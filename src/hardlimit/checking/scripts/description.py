@@ -181,6 +181,7 @@ class Stage:
     down: Direction | None = None  #: the direction of gravity; None if not known
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
     pressure: float | None = None  #: that is prescribed: the mean over the axes
+    uniaxial: bool = False  #: whether it is prescribed along one axis alone
     edges: tuple[float | None, ...] = (None, None, None)  #: of the box
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear

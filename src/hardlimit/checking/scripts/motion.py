@@ -106,6 +106,12 @@ def pressure(state: State) -> float | None:
     return mean if mean > 0.0 and math.isfinite(mean) else None
 
 
+def uniaxial(state: State) -> bool:
+    """Whether servos press along one axis alone; walls or periodic sides then carry what they must."""
+    servos = [_pressed_by_servo(state, *pair) for pair in state.fixes.items() if _is_servo(pair[1])]
+    return len({axis for axis, _ in servos}) == 1
+
+
 def _pressures(state: State, fix: Fix) -> list[float | None]:
     """The pressures at the end that ``fix deform`` or a barostat prescribes."""
     words = fix.words

@@ -38,6 +38,8 @@ PRESSURES: Final = {
     "PeriIsoCompressor": (("stresses",), 0),
     "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
 }
+#: Those with a bit of ``stressMask`` for each axis.
+BY_AXIS: Final = ("PeriTriaxController", "Peri3dController", "TriaxialStressController")
 #: Those that make spheres larger unless ``internalCompaction`` is off.
 GROWING: Final = ("TriaxialStressController", "TriaxialCompressionEngine")
 #: Those that move walls or grains steadily.
@@ -111,6 +113,7 @@ def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
         down=down,
         pressed=pressed,
         pressure=pressure(scene),
+        uniaxial=uniaxial(scene),
         driven=driven,
         shear_rate=shear_rate,
         system=scene.system,
@@ -260,6 +263,13 @@ def pressure(scene: Scene) -> float | None:
     if not values or not are_numbers(values) or any(isinstance(x, bool) for x in values):
         return None
     return abs(math.fsum(values)) / len(values) or None
+
+
+def uniaxial(scene: Scene) -> bool:
+    """Whether a controller prescribes one of three stresses."""
+    engines = [engine for engine in scene.used("") if engine.name in BY_AXIS and is_active(engine)]
+    masks = [engine.attributes.get("stressMask", PRESSURES[engine.name][1]) for engine in engines]
+    return bool(masks) and all(mask in (1, 2, 4) for mask in masks)
 
 
 def motion(scene: Scene, down: Direction | None) -> Motion | None:
