@@ -538,7 +538,7 @@ LIFT = "fix lift all move/mesh mesh lid linear 0 0 {}\n"
 
 @pytest.mark.parametrize("velocity", ["-0.01", "0.01"])
 def test_a_piston_leaves_the_pressure_unknown(velocity):
-    """Also once it has turned back. In LIGGGHTS, one that squeezed a bed of gels by 18 % pressed nine times their weight."""
+    """Also once it has turned back. In LIGGGHTS, squeezing gels by 18 % takes 22 times their weight."""
     begin = head() + SPHERE + PACK + GRAVITY + WALL + STAMP
     still = hl.check(begin + MOVE).state
     assert still.name == "rest" and still.pressure is not None

@@ -505,7 +505,7 @@ def lists(verdict: Verdict, verbose: bool) -> str:
             return ", ".join(texts)
         return f"{', '.join(texts[: MAX_FINDINGS - 1])} and {len(texts) - MAX_FINDINGS + 1} more"
 
-    parts = [f"Checked: {whats(verdict.checked)}." if verdict.checked else ""]
+    parts = [f"Checked: {', '.join(finding.what for finding in verdict.checked)}." if verdict.checked else ""]
     if verdict.ignored:
         parts.append(f"Ignored: {whats(verdict.ignored)} (head-on ε stands).")
     if len(verdict.invalidates) > 1:  # the first is in the sentence
