@@ -60,6 +60,8 @@ SAFE_SHARE: Final = 0.5
 #: make a column this many times as high as wide.
 LAYERS: Final = 100
 SLENDER: Final = 10.0
+#: Froude number from which on a drum throws its grains (cataracting: Mellmann, Powder Technol. 118, 251 (2001)).
+THROWN: Final = 0.1
 #: Radius over the diameter of grains of the narrowest drum.
 NARROWEST: Final = 2.0
 #: The part of the contact duration that is usually taken as the time step.
@@ -648,6 +650,8 @@ class GrainState:
         :meta private:
         """
         border, slope = self.collisional_from, self.slope_inertial_number
+        if self.froude_number is not None and self.froude_number >= THROWN:
+            return True
         if self.inertial_number is not None:
             return self.regime in (None, "collisional")
         return border is not None and slope is not None and slope[1] >= border

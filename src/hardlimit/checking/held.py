@@ -117,7 +117,9 @@ def flowing(question: answer.Question, grains: GrainState, gravity: bool) -> ans
         return replace(question, may_be_dense=True)
     if not (grains.may_separate and gravity):
         return question
-    where = "a slope on" if grains.inertial_number is None else "a flow under gravity in"
+    where = "a flow under gravity in"
+    if grains.inertial_number is None:
+        where = "a slope on" if grains.froude_number is None else "a drum in"
     known = grains.regime == "collisional"
     how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
     return replace(question, driven=how)

@@ -115,7 +115,7 @@ class Groups(Reader):
         return Group(frozenset(kinds), True)
 
     def group_of_atoms(self, words: Sequence[str]) -> Group:
-        """Grains with numbers such as ``1 3``, ``1:3`` or ``> 2``; any part of the grains if their types are not known."""
+        """Grains with numbers such as ``1 3``, ``1:3`` or ``> 2``; any part of them if their types are not known."""
         if words[:1] and words[0] in COMPARISONS:
             return self.group_of_numbers(words)
         ends = [word.partition(":") for word in words]
