@@ -375,7 +375,7 @@ def test_the_fall_is_said_with_its_height():
     side = text.replace("chute 0", "vector 1 0 0")
     assert "√(g d)" in str(inferred(side, "speed"))
     ends = text.replace(f"{FLOOR} 0 NULL", f"{FLOOR} NULL 1")
-    assert "at most: to the end of the box" in str(inferred(ends, "speed"))
+    assert "(at most: to the end of the box)" in str(inferred(ends, "speed"))
 
 
 def run_text(text):
