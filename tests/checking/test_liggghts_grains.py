@@ -565,8 +565,8 @@ def test_a_servo_along_one_axis_has_less_stress_across():
         + SERVO.format(name="lid", axis="0 0 -1").replace("0.001", "255")
         + WALL
     )
-    one += "fix w all wall/gran model hertz tangential history mesh n_meshes 1 meshes lid\n" + MOVE
-    alone, isotropic = hl.check(one).state, hl.check(TRIAXIAL.replace("2e4", "25500")).state
+    text += "fix w all wall/gran model hertz tangential history mesh n_meshes 1 meshes lid\n" + MOVE
+    alone, isotropic = hl.check(text).state, hl.check(TRIAXIAL.replace("2e4", "25500")).state
     assert alone.pressure == pytest.approx(isotropic.pressure)
     same = hl.check(
         TRIAXIAL.replace("2e4", "25500").replace("peratomtypepair 1 0.5", "peratomtypepair 1 0.3")
