@@ -558,7 +558,7 @@ def test_walls_that_move_across_gravity_leave_the_weight():
 
 def test_a_servo_along_one_axis_has_less_stress_across():
     """1000 grains below a plate in LIGGGHTS: stresses across are 0.53 of that along, the mean overlap 6.0 %."""
-    one = (
+    text = (
         head(friction=0.3)
         + SPHERE
         + PACK
