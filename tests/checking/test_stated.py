@@ -722,3 +722,30 @@ def test_statements_of_any_words_are_read_or_quoted(seed):
         calls = [some(CALLS.split("\n"), ARGUMENTS.split(), 6, ", ") for _ in range(rng.randint(1, 6))]
         bodies = "\n".join(call.format(arguments) for call, arguments in calls)
         assert_sound(yade(f"sp = pack.SpherePack()\n{bodies}", rng.choice([0.0, -9.81])))
+
+
+SHEARED = """units si
+atom_style sphere
+boundary p p p
+region b prism 0 0.1 0 0.1 0 0.1 0 0 0
+create_box 1 b
+create_atoms 1 random 500 12345 NULL
+set type 1 diameter 0.004 density 2500
+pair_style granular
+pair_coeff * * hooke 1e5 {} damping coeff_restitution
+fix 1 all nve/sphere
+fix 2 all deform 1 xy erate 100 remap v
+timestep 1e-6
+run 1000
+pair_coeff * * hooke 1e5 0.95 damping coeff_restitution
+run 1000
+"""
+
+
+def test_a_run_before_the_last_one_leaves_the_speed_of_the_steady_state():
+    """Kinetic theory of shear is that of ε from 0.5 on; a run that packs the grains with less is no steady state."""
+    packed, alone = hl.check(SHEARED.format(0.1)), hl.check(SHEARED.format(0.95))
+    assert not any("No speed from" in remark for remark in packed.remarks)
+    assert packed.missing == alone.missing == ()
+    low = hl.check(SHEARED.format(0.95).replace("1e5 0.95", "1e5 0.1"))
+    assert any("ε from 0.5 on" in remark for remark in low.remarks) and "speeds" in low.missing

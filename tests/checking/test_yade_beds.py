@@ -260,3 +260,11 @@ def test_only_the_damping_of_the_last_run_is_warned_of():
     verdict = hl.check(text + "n.damping = 0.1\nO.run(1000, True)\n")
     (warned,) = (warning.what for warning in verdict.warnings if "acts on spins" in warning.what)
     assert "0.1 of NewtonIntegrator" in warned
+
+
+def test_contacts_that_do_not_depend_on_the_speed_have_one_row():
+    """Also if ε differs by rounding, and nothing else is known."""
+    text = CELL.format(number=3500, end="", engine=SQUEEZED)
+    verdict = hl.check(text.replace("damping=0.2", "damping=0.4"))
+    assert [row.speed for row in verdict.rows] == [None]
+    assert not any("were chosen" in remark for remark in verdict.remarks)
