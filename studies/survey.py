@@ -6,11 +6,11 @@ Every file below the folder that is a script or a log of LAMMPS, LIGGGHTS or YAD
 numbers; copies of the same text count once. A script whose contacts are those of other bodies or models than spheres
 with springs (polyhedra, grids, bonds, smoothed particles) is listed apart as "other", whether or not it is answered.
 
-number: κ_p of grains at rest, pressed or flowing, Γ of shaken ones, t_c ν of a gas (0 of grains that never meet), ε,
-duration and overlap of one or two grains, or of grains that meet walls only. border: instead of it, up to which
-pressure grains are rigid and κ_p below 100 layers, or t_c ν of a gas at a supposed packing fraction or speed. step: the
-longest stable time step. any: one of the three. The reasons for a missing number and the statements that are not
-understood are listed by how often they occur.
+number: κ_p of grains at rest, pressed or flowing, Γ of shaken ones, t_c ν of a gas (0 of grains that never meet; its
+bound in a stream), ε, duration and overlap of one or two grains, or of grains that meet walls only. border: instead of
+it, up to which pressure grains are rigid and κ_p below 100 layers, or t_c ν of a gas at a supposed packing fraction or
+speed. step: the longest stable time step. any: one of the three. The reasons for a missing number and the statements
+that are not understood are listed by how often they occur.
 """
 
 import argparse
@@ -58,9 +58,14 @@ def surveyed(path: Path) -> dict[str, Any] | None:
     own = {"shaken": state.shaking, "gas": max((row.tc_nu or 0.0 for row in verdict.rows), default=0.0)}
     known = {
         "number": bool(
-            own.get(state.name) or state.stiffness_number or state.grains is not None or state.never_meet
+            own.get(state.name)
+            or state.stiffness_number
+            or state.grains is not None
+            or state.never_meet
+            or state.tc_nu_is_bound
         ),
-        "border": state.pressure_for_rigid is not None or state.supposed_tc_nu is not None,
+        "border": state.pressure_for_rigid is not None
+        or (state.supposed_tc_nu is not None and not state.tc_nu_is_bound),
         "step": state.largest_stable_step is not None,
     }
     quotes = [kind(quote) for quote in verdict.to_dict()["unknown"]]

@@ -240,7 +240,34 @@ def test_commands_inside_a_run_and_of_some_partitions():
     description = read(f"{BASE}run 100 every 10 'timestep 1e-6'\nrun 5\n")
     assert [(stage.time_step, stage.steps) for stage in description.stages] == [(1e-8, 10), (1e-6, None)]
     assert not read(f"{BASE}run 100 every 10 \"if '$(ke) < 1' then quit\"\nrun 5\n").unknown
-    assert len(read(f"{BASE}partition yes 1 timestep 1e-6\npartition no 1 print a\nrun 5\n").unknown) == 1
+
+
+@pytest.mark.parametrize(
+    "number,runs", [("1", True), ("*", True), ("*3", True), ("1*2", True), ("2", False), ("2*", False)]
+)
+def test_several_partitions_are_read_as_the_first_one(number, runs):
+    """LIGGGHTS itself runs these commands if it has one partition."""
+    for style in ("yes", "no"):
+        description = read(f"{BASE}partition {style} {number} timestep 1e-6\nrun 5\n")
+        assert description.stages[0].time_step == (1e-6 if runs == (style == "yes") else 1e-8)
+        assert not description.unknown and "as the first one runs it" in description.warnings[0].what
+    nested = "partition yes 1 " * 30
+    assert "nested less deeply" in refused(f"{BASE}{nested}timestep 1e-6\nrun 5\n")
+
+
+def test_values_of_partitions():
+    """The first partition has the first value of world; one alone takes all those of universe, one after another."""
+    text = f"variable s world 1e-6 2e-6\n{BASE}timestep $s\nrun 5\n"
+    (own,) = read(text).warnings
+    assert stage(text).time_step == 1e-6 and own.quote.text == "variable s world 1e-6 2e-6"
+    stated = read(text, variables={"s": "2e-6"})
+    assert stated.stages[0].time_step == 2e-6 and not stated.warnings
+    assert not read(text.replace("world 1e-6 2e-6", "world 1e-6")).warnings
+    for style in ("universe 1e-6 2e-6", "index 1e-6 2e-6"):
+        loop = f"variable s {style}\n{BASE}label a\ntimestep $s\nrun 5\nnext s\njump SELF a\n"
+        assert [each.time_step for each in read(loop).stages] == [1e-6, 2e-6]
+    counted = read(f"variable k uloop 3\n{BASE}label a\ntimestep ${{k}}e-6\nrun 5\nnext k\njump SELF a\n")
+    assert [each.time_step for each in counted.stages] == [1e-6, 2e-6, 3e-6]
 
 
 @pytest.mark.parametrize(
@@ -260,6 +287,60 @@ def test_walls_that_move_by_a_variable(region, wall, moves):
     description = read(f"{BASE}{lines}fix w all wall/gran/region granular hooke 1 .5 {wall}\nrun 1\n")
     assert any("moving wall" in note.what for note in description.ignored) == moves
     assert [stage.wall for stage in description.stages[0].contacts] == [None, "w"]
+
+
+ROUNDS = 100_000
+LOOP = f"""{BASE}variable i loop {ROUNDS}
+label again
+{{}}
+run 10
+next i
+jump SELF again
+run 7
+"""
+
+
+@pytest.mark.parametrize(
+    "body,steps",
+    [
+        ("", [10 * ROUNDS + 7]),
+        ("fix b all deform 1 x erate -1", [10 * ROUNDS + 7]),
+        ("print $i\nset group all property/atom q 1", [10 * ROUNDS + 7]),
+        ("variable f equal v_i\nthermo_style custom step v_f", [10 * ROUNDS + 7]),
+        ("timestep 1e-6\nrun 5\ntimestep 1e-7", [5, 10] * 3 + [5 * (ROUNDS - 4), 10 * (ROUNDS - 4), 5, 17]),
+    ],
+)
+def test_equal_rounds_of_a_long_loop_are_read_once(body, steps):
+    """They would be more commands than are read at most, 10⁶, or take seconds."""
+    description = read(LOOP.format(body))
+    assert [stage.steps for stage in description.stages] == steps
+    assert sum(steps) == 10 * ROUNDS + 7 + (5 * ROUNDS if "run" in body else 0)
+
+
+@pytest.mark.parametrize(
+    "body,steps,radii",
+    [
+        ("timestep (1+$i)*1e-6", None, None),
+        ("timestep $(v_i*1e-6)", 40, (0.01, 0.01)),
+        ("variable s equal v_i*1e-6\nvariable t equal v_s\ntimestep $t", 40, (0.01, 0.01)),
+        ("if '$i == 33' then 'timestep 1e-6'", 2, (0.01, 0.01)),
+        ("run 9 every 3 'timestep 1e-6'", 2, (0.01, 0.01)),
+        ("if '$i == 33' then 'set group all diameter 0.03'", 2, (0.015, 0.015)),
+        ("set group all diameter $(v_i*0.001)", 40, (0.02, 0.02)),
+        ("fix g all gravity v_h chute 0\nvariable h equal v_i", 40, (0.01, 0.01)),
+        ("fix ins all pour 1 1 $i region box diam one 0.02 dens 2500 2500", 1, (0.01, 0.01)),
+    ],
+)
+def test_rounds_that_differ_are_read_one_by_one(body, steps, radii):
+    text = LOOP.format(body).replace(str(ROUNDS), "40")
+    if steps is None:
+        refused(text)
+        return
+    description = read(text)
+    assert len(description.stages) == steps and description.stages[-1].grains["1"].radii == radii
+    counted = [stage.contents.count for stage in description.stages[-1:]]
+    assert "pour 1 1" not in body or counted == [50.0]
+    assert "every" not in body or description.stages[0].steps == 3
 
 
 @pytest.mark.slow

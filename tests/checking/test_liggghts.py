@@ -226,7 +226,7 @@ def test_what_cannot_be_read_is_refused(line, must):
         read(f"{SCRIPT}{line}\nrun 1\n")
 
 
-@pytest.mark.parametrize("name", ["hertz/lubricated", "hertz/break", "hooke/magic"])
+@pytest.mark.parametrize("name", ["hertz/lubricated", "hertz/magic", "hooke/magic"])
 def test_a_model_that_is_not_known_is_said_once(name):
     """With the line that has it, for all its contacts."""
     text = f"{SCRIPT.replace('model hertz', f'model {name}')}create_atoms 2 box\nrun 1\n"

@@ -216,6 +216,87 @@ def test_lees_edwards_boundaries_shear():
     assert unknown.shear_rate is None and "unknown rate" in unknown.driven[0].what
 
 
+def test_a_shear_rate_gives_the_speed_up_to_half_packed_spheres():
+    """Theory is measured there: see ``DENSEST_IN_SHEAR``."""
+    packed = PACK.replace("0 0 -0.5", "0 0 0").replace("region 0.1", "region {}")
+    script = head("p p p", 0.0) + SPHERE + packed + "fix le all lebc 100 true\n" + MOVE
+    for phi in (0.49, 0.5):
+        verdict = hl.check(script.format(phi))
+        gas = hl.theory.Gas(1, 1e-3, 2500.0 * 4e-9 / 3.0 * math.pi, 4e-9 / 3.0 * math.pi / phi, 3)
+        expected = math.sqrt(math.pi * gas.sheared_temperature(100.0, 0.9))
+        assert verdict.rows[0].speed == pytest.approx(expected, rel=0.01) and verdict.rows[0].tc_nu
+        assert (
+            hl.check(script.format(phi).replace("lebc 100", "lebc 200")).rows[0].tc_nu > verdict.rows[0].tc_nu
+        )
+    dense = hl.check(script.format(0.51))
+    assert dense.rows[0].tc_nu is None and any(
+        "up to a packing fraction of 0.5" in note for note in dense.remarks
+    )
+    heated = hl.check(script.format(0.5).replace("fix le all lebc 100 true\n", ""), power=1e-9)
+    assert heated.rows[0].tc_nu is None
+
+
+# --- grains that break, and those of two sizes for the same grains -----------------------------------------------
+
+BREAKING = (
+    "fix f all particletemplate/fragments 31 atom_type 1 density constant 2500 breakage_index 0.2 0.08\n"
+    "fix fd all particledistribution/discrete 21 1 f 1.0\n"
+    "fix break all break/particle seed 11 distributiontemplate fd energy_threshold 0.1 min_radius 0.0001\n"
+)
+
+
+def test_grains_have_the_numbers_before_they_break():
+    """The model's force is Hertz', but between fragments of one grain."""
+    bed = head("f f f") + GRAVITY + SPHERE + PACK + WALL + MOVE
+    assert bed.count("hertz") == 2
+    whole, breaking = (
+        hl.check(bed),
+        hl.check(bed.replace("hertz", "hertz/break").replace("fix move", BREAKING + "fix move")),
+    )
+    assert breaking.state == whole.state and whole.state.stiffness_number
+    assert [row.duration for row in breaking.rows] == [row.duration for row in whole.rows]
+    assert {what.what for what in breaking.invalidates} - {what.what for what in whole.invalidates} == {
+        "grains that break (break/particle)"
+    }
+    assert any("before they break" in finding.what for finding in breaking.warnings) and not breaking.unknown
+    assert any(
+        "fragments of one grain" in note.what for note in read(bed.replace("hertz", "hertz/break")).ignored
+    )
+
+
+FINE = (
+    "fix flow all massflow/mesh/face mesh m count once cg 4\n"
+    "fix fine all insert/pack/face seed 7 {} cg {} region box\n"
+)
+
+
+@pytest.mark.parametrize("cg,radius", [(2, 0.0005), (1, 0.00025)])
+def test_grains_of_another_coarse_graining_level(cg, radius):
+    two = (head("f f f") + GRAVITY + SPHERE + PACK + WALL + MOVE).replace("box 1 box", "box 2 box")
+    two = two.replace("peratomtypepair 1 0.9", "peratomtypepair 2 0.9 0.9 0.9 0.9").replace(
+        "peratomtypepair 1 0.5", "peratomtypepair 2 0.5 0.5 0.5 0.5"
+    )
+    two = two.replace("peratomtype 5e6", "peratomtype 5e6 5e6").replace(
+        "peratomtype 0.45", "peratomtype 0.45 0.45"
+    )
+    script = two.replace("fix move", FINE.format("type_offset 1 massflow_face flow", cg) + "fix move")
+    grains = read(script).stages[0].grains
+    assert grains["1"].radii == (0.001, 0.001) and grains["2"].radii == pytest.approx((radius, radius))
+    assert hl.check(script).state.pressure and not read(script).unknown
+    assert read(script).stages[0].contents.count is None
+    again = FINE.replace("fix flow", "fix low").replace("fix fine", "fix finer").replace("cg 4", f"cg {cg}")
+    again = again.format("type_offset 1 massflow_face low", 1)
+    third = script.replace("box 2 box", "box 3 box").replace("fix move", f"{again}fix move")
+    levels = read(third).stages[0].grains
+    assert list(levels) == ["1", "2", "3"] and levels["3"].radii == pytest.approx((0.00025, 0.00025))
+    assert levels["2"].radii == grains["2"].radii
+    other = FINE.replace("fix f", "fix g").format("type_offset 1 massflow_face glow", cg)
+    beside = script.replace("fix move", f"{other}fix move")
+    assert read(beside).stages[0].grains == grains
+    for unknown in ("massflow_face other type_offset 1", "type_offset 1"):
+        assert read(script.replace("type_offset 1 massflow_face flow", unknown)).unknown
+
+
 # --- grains that never meet -------------------------------------------------------------------------------------
 
 FALL = head() + GRAVITY + SPHERE + PACK + MOVE

@@ -106,3 +106,15 @@ def test_the_weight_of_grains_in_a_fluid_is_said_to_be_that_without_it(folder):
     )
     assert "without the fluid" in hl.check(dragged).sentence
     assert "without the fluid" not in hl.check(folder()).sentence
+
+
+@pytest.mark.parametrize("name", ["settled.7", "settled.39", "settled.end"])
+def test_files_that_the_rounds_of_a_loop_write(folder, name):
+    """Equal rounds are read once, unless they write files of different names; a long loop hides no file after it."""
+    loop = "variable k loop {}\nlabel a\nrun 10\n{}next k\njump SELF a\nwrite_restart post/settled.end\n"
+    rounds = (100_000, "print $k\n") if name.endswith("end") else (40, "write_restart post/settled.$k\n")
+    folder("in.fill", FILL.replace("run 10000\n", loop.format(*rounds)))
+    go_on = folder(file=f"post/{name}")
+    assert hl.check(go_on).state.pressure == pytest.approx(WEIGHT)
+    missing = hl.check(folder(file="post/settled.41"))
+    assert missing.state.pressure is None and "read_restart" in str(missing.unknown)

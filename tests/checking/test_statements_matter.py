@@ -22,7 +22,7 @@ from hardlimit.checking import contacts, systems
 from hardlimit.checking.scripts import Quote, Setting, read
 
 #: Files that scripts include.
-PARTS = (".inc", ".data", ".gz", ".txt")
+PARTS = (".inc", ".data", ".gz", ".txt", ".stl")
 SCRIPTS = {
     path.name: path
     for path in (

@@ -625,6 +625,7 @@ class GrainState:
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
     never_meet: bool = False  #: whether no grain meets another or a wall, so that t_c ν = 0
     supposed_tc_nu: float | None = None  #: t_c ν of a gas of which φ or the speed is supposed
+    tc_nu_is_bound: bool = False  #: whether it is at most this, as in a stream into open space
     impact_speed: float | None = None  #: [m/s] of this impact
     speed_is_chosen: bool = False  #: whether no speed is known
     restitution: float | None = None  #: ε of this impact

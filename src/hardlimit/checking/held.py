@@ -97,7 +97,11 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     if count is not None and 0 <= count <= FEW:
         state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
     elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
-        state = few.in_gas(grains, around.cases, final.gas, speed, not speeds)
+        gas, stream = final.gas, stage.contents.stream
+        bound = stream is not None and gas.packing_fraction is None and not final.options.speeds
+        gas = replace(gas, packing_fraction=stream) if bound else gas
+        state = few.in_gas(grains, around.cases, gas, speed, not speeds)
+        state = replace(state, tc_nu_is_bound=bound and state.supposed_tc_nu is not None)
     else:
         return grains
     if state.impact_speed is None:

@@ -26,6 +26,11 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     """The sentence after the answer, in at most about 260 letters; empty for a gas. ``plain``: in ``lj`` units."""
     if state.grains is not None:
         return " ".join(f"{part}." for part in (_few(state, plain), _step(state, plain)) if part)
+    if state.supposed_tc_nu is not None and state.tc_nu_is_bound:
+        at = f"φ ≤ {digits(state.packing_fraction or 0.0, 2)} at its face, which grains leave beside others with up to"
+        return (
+            f"In the stream t_c ν is at most {digits(state.supposed_tc_nu, 2)}: {at} {_speed(state, plain)}."
+        )
     if state.supposed_tc_nu is not None:
         at = f"φ = {digits(state.packing_fraction or 0.0, 2)} and {_speed(state, plain)}"
         return f"With {at} (not both are known) t_c ν would be {digits(state.supposed_tc_nu, 2)}."

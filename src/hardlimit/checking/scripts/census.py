@@ -5,6 +5,7 @@ Lattices and regions: docs.lammps.org, pages lattice, region and create_atoms.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
@@ -53,6 +54,17 @@ def lattice(style: str, scale: float, dimension: int, reduced: bool) -> Lattice:
     if reduced and style != "none":
         scale = (len(sites) / math.prod(shape[:dimension]) / scale) ** (1.0 / dimension)
     return Lattice(sites, (scale * shape[0], scale * shape[1], scale * shape[2]))
+
+
+def spacing(cell: Lattice, dimension: int) -> float | None:
+    """Least distance of the sites of a lattice; None if it is not understood."""
+    if not cell.sites or cell.edges is None:
+        return None
+    steps = np.array([*itertools.product((-1.0, 0.0, 1.0), repeat=dimension)])
+    sites = np.array(cell.sites)[:, :dimension]
+    distances = (sites[:, None, None] - sites[None, :, None] + steps) * np.array(cell.edges[:dimension])
+    lengths = np.linalg.norm(distances, axis=-1)
+    return float(lengths[lengths > 0.0].min())
 
 
 @dataclass

@@ -10,7 +10,7 @@ import itertools
 import os
 import re
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -30,6 +30,8 @@ UNRESOLVED: Final = re.compile(r"\$(?:\{\w*\}|\(|\w)")
 #: A comparison of two words in a condition, and what is no word there.
 EQUAL: Final = re.compile(r"([^\s()&|!=<>^]+)\s*(==|!=)\s*([^\s()&|!=<>^]+)")
 NUMBERS: Final = re.compile(r"[-+*/%.\d][-+*/%.\deE]*|.*\b[vcf]_.*|[.\d].*")
+#: What is before the command in ``partition yes|no N command``.
+AFTER_PARTITION: Final = re.compile(r"\s*partition\s+\S+\s+\S+\s*")
 #: Styles that do not redefine an existing variable.
 KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "atomfile", "getenv")
 #: Deepest nesting of include files and of variables.
@@ -50,6 +52,10 @@ restart write_coeff compute uncompute compute_modify info timer
 """)
 
 
+#: Commands that may be given twice.
+REPEATABLE: Final = names("unfix fix_modify timestep neigh_modify reset_timestep")
+
+
 @dataclass(frozen=True)
 class Variable:
     """A variable of an input script."""
@@ -66,6 +72,8 @@ class Variables:
 
     known: dict[str, Variable] = field(default_factory=dict)
     keywords: dict[str, float] = field(default_factory=dict)  #: other names of formulas, such as dt
+    used: dict[str, int] = field(default_factory=dict)  #: at which command a value was asked for last
+    now: int = 0  #: number of the command that is read; −1 if its values do not count as used
 
     def define(self, words: Sequence[str]) -> None:
         """As the command ``variable``."""
@@ -77,7 +85,7 @@ class Variables:
             self.known.pop(name, None)
         elif old is not None and (old.fixed or style in KEPT):
             return
-        elif style == "loop":
+        elif style in ("loop", "uloop"):
             self.known[name] = Variable("index", _loop(values))
         elif style == "getenv":
             value = os.environ.get(values[0]) if values else None
@@ -86,11 +94,14 @@ class Variables:
             self.known[name] = Variable("equal", (" ".join(values),))
         elif style == "string":
             self.known[name] = Variable(style, tuple(map(self.substitute, values)))
-        elif style in ("index", "format"):
+        elif style == "format":
             self.known[name] = Variable(style, tuple(values))
+        elif style in ("index", "universe"):  # one partition takes the values of universe one after another
+            self.known[name] = Variable("index", tuple(values))
+        elif style == "world":  # the first partition has the first value
+            self.known[name] = Variable("index", tuple(values[:1]))
         else:
-            single = style in ("world", "universe") and len(values) == 1
-            self.known[name] = Variable("index" if single else "unknown", tuple(values))
+            self.known[name] = Variable("unknown", tuple(values))
 
     def step(self, names: Sequence[str]) -> bool:
         """As the command ``next``; False if the values are exhausted, which deletes the variables."""
@@ -107,6 +118,8 @@ class Variables:
 
     def text(self, name: str, depth: int = 0) -> str | None:
         """The text that replaces ``${name}``; None if it is not known."""
+        if self.now >= 0:
+            self.used[name] = self.now
         variable = self.known.get(name)
         if variable is None or depth > DEEPEST:
             return None
@@ -182,6 +195,13 @@ def _loop(values: Sequence[str]) -> Sequence[str]:
     return tuple(str(k).zfill(len(str(last)) if pad else 0) for k in range(first, last + 1))
 
 
+def of_first_partition(words: Sequence[str]) -> bool:
+    """Whether the first partition runs ``partition yes|no N command``, with N such as ``1``, ``2*`` or ``*3``."""
+    low, star, _ = (*words, "", "")[1].partition("*")
+    first = low in ("", "1") if star else low == "1"
+    return first == ((*words, "")[0] == "yes")
+
+
 def _formatted(form: str, number: float) -> str | None:
     if FORMAT.fullmatch(form):
         return form % number
@@ -214,6 +234,45 @@ class Frame:
         return labels
 
 
+@dataclass(frozen=True)
+class Round:
+    """One round of a loop."""
+
+    commands: Sequence[Statement | None]
+    others: Mapping[str, Variable]  #: variables at its end, without those that count the rounds
+    end: int  #: number of commands that were read until then
+
+    @cached_property
+    def plain(self) -> list[object]:
+        """What it says."""
+        return [plain(command) for command in self.commands]
+
+
+def plain(statement: Statement | None) -> object:
+    """A command without the values that it prints."""
+    if statement is None:
+        return None
+    inner = [[plain(each) for each in branch.statements] for branch in statement.branches]
+    return statement.file, statement.line, statement.words, inner
+
+
+def is_repeatable(statement: Statement) -> bool:
+    """Whether a command that is given again leaves everything as it is, but for the number of steps."""
+    command, words = statement.words[0], [*statement.words[1:], "", "", ""]
+    if command == "if":
+        return all(
+            branch.place is None and not branch.ends and all(map(is_repeatable, branch.statements))
+            for branch in statement.branches
+        )
+    if command == "fix":
+        return not words[2].startswith(("insert", "pour", "deposit", "adapt", "particle"))
+    if command == "run":
+        return words[0].isdecimal() and len(words[0]) < 10
+    if command == "set":
+        return words[2].startswith("property/atom")
+    return command in REPEATABLE
+
+
 @dataclass
 class Commands:
     """The commands of an input script as they run: include, jump, next and if are followed."""
@@ -222,6 +281,7 @@ class Commands:
     file: str = ""
     folder: Path | None = None
     variables: Variables = field(default_factory=Variables)
+    silent: Collection[str] = SILENT  #: commands in which values do not matter
 
     def __post_init__(self) -> None:
         self.frames = [Frame(self.file, self.folder, logical_lines(self.text))]
@@ -230,6 +290,9 @@ class Commands:
         self.repeated: dict[Place, dict[str, Variable]] = {}  #: variables when a jump led back
         self.passed: dict[Place, dict[str, Variable]] = {}  #: variables at a label
         self.again: set[Place] = set()  #: conditions that led back
+        self.read: list[Statement | None] = []  #: commands so far that a loop repeats; None for another one
+        self.rounds: dict[Place, Round] = {}  #: of loops, by the jump at their end
+        self.stepped: list[str] = []  #: variables of the last ``next``
 
     def __iter__(self) -> Iterator[Statement]:
         while self.frames:
@@ -254,7 +317,10 @@ class Commands:
         pieces, quote = scan(raw)
         if quote:
             raise refusal(line, raw, f"close its quotes {quote}", frame.file)
+        first = raw.split(maxsplit=1)[:1]
+        self.variables.now = -1 if first and first[0] in self.silent else len(self.read)
         code = "".join(text if quoted else self.variables.substitute(text) for text, quoted in pieces)
+        self.variables.now = len(self.read)
         words = split(code)
         if not words:
             return
@@ -263,6 +329,8 @@ class Commands:
             raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
         statement = Statement(line, words, code, file=frame.file)
         if words[0] == "variable":
+            if words[2:3] == ("world",) and len(words) > 4 and words[1] not in self.variables.known:
+                yield replace(statement, words=("partition", *words))
             self.variables.define(words[1:])
         else:
             yield from self._follow(frame, statement, depth)
@@ -270,9 +338,9 @@ class Commands:
     def _follow(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
         command, *words = statement.words
         if command == "next":
-            self.skip_jump = not self.variables.step(words)
+            self.skip_jump, self.stepped = not self.variables.step(words), words
         elif command == "jump":
-            self._jump(frame, statement)
+            yield from self._jump(frame, statement)
         elif command == "include":
             if len(self.frames) > DEEPEST:
                 raise refused(statement, "be nested less deeply")
@@ -280,14 +348,27 @@ class Commands:
         elif command == "if":
             if depth > DEEPEST:
                 raise refused(statement, "be nested less deeply")
-            yield from self._choose(frame, statement, depth)
+            for each in self._choose(frame, statement, depth):
+                self.read.append(each if is_repeatable(each) else None)
+                yield each
         elif command == "run" and "every" in words:
+            self.read.append(None)
             yield from self._interrupted(frame, statement, depth)
+        elif command == "partition":
+            if depth > DEEPEST:
+                raise refused(statement, "be nested less deeply")
+            yield statement
+            if of_first_partition(words):
+                yield from self._run(
+                    frame, statement.line, AFTER_PARTITION.sub("", statement.text, count=1), depth + 1
+                )
         elif command == "quit":
             self.frames.clear()
         elif command == "label":
             self.passed[frame.number, frame.at - 1] = dict(self.variables.known)
         else:
+            if command not in SILENT:
+                self.read.append(statement if is_repeatable(statement) else None)
             yield statement
 
     def _interrupted(self, frame: Frame, statement: Statement, depth: int) -> Iterator[Statement]:
@@ -306,7 +387,7 @@ class Commands:
             yield from changing
             yield replace(statement, words=("run", "", *whole[2:]))
 
-    def _jump(self, frame: Frame, statement: Statement) -> None:
+    def _jump(self, frame: Frame, statement: Statement) -> Iterator[Statement]:
         if self.skip_jump:
             self.skip_jump = False
             return
@@ -321,7 +402,31 @@ class Commands:
         if again is frame and at < frame.at and not self.trying and not self._changed(frame):
             self._leave(frame, statement)
         else:
+            if again is frame and at < frame.at and not self.trying:
+                yield from self._skipped(frame.place)
             again.at = at
+
+    def _skipped(self, place: Place) -> Iterator[Statement]:
+        """One round with long runs for those of a loop that would repeat the last two, but for its last round."""
+        others = {name: each for name, each in self.variables.known.items() if name not in self.stepped}
+        start = self.rounds[place].end if place in self.rounds else 0
+        this = Round(self.read[start:], others, len(self.read))
+        before, self.rounds[place] = self.rounds.get(place), this
+        loops = [self.variables.known.get(name) for name in self.stepped]
+        left = min((len(loop.values) - 1 - loop.at for loop in loops if loop is not None), default=0)
+        if before is None or left < 1 or None in loops or None in this.commands:
+            return
+        used = any(self.variables.used.get(name, -1) >= start for name in self.stepped)
+        if used or this.plain != before.plain or others != before.others:
+            return
+        for name, loop in zip(self.stepped, loops, strict=True):
+            if loop is not None:
+                self.variables.known[name] = replace(loop, at=loop.at + left)
+        for command in filter(None, this.commands):
+            if command.words[0] == "run" and "upto" not in command.words:
+                yield replace(command, words=("run", str(left * int(command.words[1])), *command.words[2:]))
+            else:
+                yield command
 
     def _changed(self, frame: Frame) -> bool:
         """Whether variables have changed since the jump back before this line was taken last."""

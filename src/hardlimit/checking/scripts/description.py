@@ -106,6 +106,7 @@ class Contents:
     packed: float = 0.0  #: packing fraction of the grains when they are made, if it may exceed that of a bed
     without: str = ""  #: what else may press them, in words
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
+    stream: float | None = None  #: largest packing fraction of a stream into open space
     never_meet: bool = False  #: whether no grain meets another or a wall
 
 

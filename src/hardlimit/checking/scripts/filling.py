@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from ...support.formatting import digits
-from . import census, free_fall
+from . import census, free_fall, streams
 from .census import Census, Lattice
 from .description import Contents, Direction, Lot, Range, Speed, Stage
 from .motion import AXES, BOLTZMANN
@@ -41,6 +41,7 @@ class Insertion(NamedTuple):
     region: Region | None  #: empty for the whole box
     velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
     poured: bool = True  #: whether a fix inserts them, and no ``create_atoms``
+    stream: streams.Stream | None = None  #: of ``fix insert/stream``
 
 
 @dataclass
@@ -231,7 +232,11 @@ def create_atoms(state: State, kind: int, words: Sequence[str]) -> None:
         filling.apart = min(filling.apart, state.coefficient(distance) or 0.0)
     if style != "single":
         filling.insertions.append(Insertion(region, poured=False))
-    filling.launches.append(free_fall.single(state, words[1:]) if style == "single" else free_fall.UNKNOWN)
+    if style == "single":
+        filling.launches.append(free_fall.single(state, words[1:]))
+    else:
+        on_sites = style in ("box", "region") and not some
+        filling.launches.append(free_fall.on_lattice(state) if on_sites else free_fall.UNKNOWN)
 
 
 def poured(state: State, fix: Fix, kind: int, count: float | None, means: tuple[float, float] | None) -> None:
@@ -265,6 +270,14 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: 
         filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * share * space)
     elif count is None and mass is not None and densities is not None and densities[0] == densities[1]:
         filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * mass / densities[0])
+
+
+def streamed(state: State, fix: Fix, volume_rate: float | None) -> None:
+    """What is special about the grains of the last insertion if they are those of a stream."""
+    filling = state.filling
+    stream = streams.read(state, fix, velocity_of(state, fix), volume_rate)
+    filling.insertions[-1] = filling.insertions[-1]._replace(stream=stream)
+    filling.launches[-1] = free_fall.streaming(stream)
 
 
 def alike(radii: Range | None) -> tuple[float, float] | None:
@@ -364,12 +377,15 @@ def contents(state: State, stage: Stage) -> Contents:
     heat = filling.heat if overlap_free(filling, stage) else [overlapping(speed) for speed in filling.heat]
     stated = (*heat, *drift(state, stage)) if filling.velocities_known else ()
     floor, walled = floor_of(state, stage)
+    stream = streams.only(state, stage) if free_fall.undisturbed(state) else None
+    stated = stated if stream is None else (streams.speed(stream),)
     moving = replace(filling.census, lots=[lot for lot in filling.census.lots if not state.frozen(lot.kind)])
     return Contents(
         count=moving.count,
         filled=moving.filled(state.dimension),
         volume=volume(state),
-        speeds=(*stated, *falls(state, stage)),
+        speeds=(*stated, *(falls(state, stage) if stream is None else ())),
+        stream=stream.packing_fraction if stream is not None and stream.along_face else None,
         floor=floor,
         walled=walled or any(kind.partly_frozen for kind in stage.grains.values()),
         lots=filling.census.known,

@@ -1,24 +1,32 @@
-"""Grains of LAMMPS or LIGGGHTS that never meet: all have one velocity and one acceleration, and no wall is there."""
+"""Grains of LAMMPS or LIGGGHTS that never meet: all have one velocity and one acceleration, and no wall is there.
+
+So do those of a stream that leave a level face one after another: ``streams.py``.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from . import gravity
+from . import census, gravity, streams
 
 if TYPE_CHECKING:
     from .description import Stage
     from .state import Fix, State
+    from .streams import Stream
 
 #: Fixes that leave the relative motion of grains as it is. Meshes without ``fix wall/gran`` push nothing.
 SAFE: Final = (
-    *("gravity", "insert/pack", "particletemplate/sphere", "particledistribution/discrete"),
+    *("gravity", "insert/pack", "insert/stream", "particletemplate/sphere", "particledistribution/discrete"),
     *("property/", "mesh/surface", "move/mesh", "ave/", "store/", "print", "check/timestep", "massflow/mesh"),
     *("balance", "diam/max", "contacthistory", "neigh_history", "heat/gran", "region/variable", "remove"),
+    *("chem/shrink/core", "limit/property/atom"),
 )
+#: Overlap over the diameter that rounding makes of touching.
+TOUCHING: Final = 1e-9
 #: Integrators among them.
 MOVING: Final = ("nve", "nve/sphere")
 
@@ -28,6 +36,8 @@ class Launch(NamedTuple):
 
     velocity: tuple[float, ...] | None
     place: tuple[float, ...] | None = None
+    spacing: float = math.inf  #: least distance of their centres if they are made whatever their size is
+    alone: bool = False  #: whether they may meet others that have the same velocity
 
 
 #: Grains of which not all of this is known.
@@ -42,6 +52,21 @@ def single(state: State, words: Sequence[str]) -> Launch:
     if len(known) < 3 or cell is None:
         return UNKNOWN
     return Launch((0.0, 0.0, 0.0), tuple(x * edge for x, edge in zip(known, cell, strict=True)))
+
+
+def on_lattice(state: State) -> Launch:
+    """Grains at rest on sites of the lattice; those of periodic boxes may be closer over its ends."""
+    spacing = census.spacing(state.filling.lattice, state.dimension)
+    if spacing is None or any(map(state.filling.periodic, range(state.dimension))):
+        return UNKNOWN
+    return Launch((0.0, 0.0, 0.0), spacing=spacing, alone=True)
+
+
+def streaming(stream: Stream | None) -> Launch:
+    """The grains of a stream, if none is released beside one that is not."""
+    if stream is None or stream.along_face or not stream.apart:
+        return UNKNOWN
+    return Launch(stream.velocity, alone=True)
 
 
 def inserted(fix: Fix, velocity: tuple[float, ...]) -> Launch:
@@ -61,27 +86,37 @@ def never_meet(state: State, stage: Stage) -> bool:
     if (
         not launches
         or UNKNOWN in launches
-        or state.unknown
-        or state.invalidates
+        or not undisturbed(state)
         or state.population.elsewhere
         or any(kind.frozen or kind.partly_frozen for kind in stage.grains.values())
         or any(contact.wall is not None for contact in stage.contacts)
         or not all(other.contents.never_meet for other in before)
-        or not all(_safe(fix) for fix in state.fixes.values())
     ):
         return False
     filling = state.filling
     moved = filling.drifts or filling.heat or not filling.velocities_known
     if moved or len({launch.velocity for launch in launches}) > 1 or not _one_pull(state):
         return False
+    if any(insertion.stream is not None for insertion in filling.insertions):
+        return streams.only(state, stage) is not None
     places = [launch.place for launch in launches if launch.place is not None]
-    if places and len(places) < len(launches):
+    mixed = (places and len(places) < len(launches)) or (
+        len(launches) > 1 and any(each.alone for each in launches)
+    )
+    if mixed or not _fit(stage, min(launch.spacing for launch in launches)):
         return False
     return len(places) < 2 or _apart(state, stage, places)
 
 
-def _safe(fix: Fix) -> bool:
+def undisturbed(state: State) -> bool:
+    """Whether nothing but contacts changes the relative motion of grains."""
+    return not (state.unknown or state.invalidates) and all(_safe(state, fix) for fix in state.fixes.values())
+
+
+def _safe(state: State, fix: Fix) -> bool:
     """Whether a fix leaves the relative motion of grains as it is."""
+    if fix.style == "scale/diameter":
+        return state.shrinks(fix)
     return fix.style in MOVING or (fix.style.startswith(SAFE) and not fix.style.endswith(("servo", "6dof")))
 
 
@@ -95,6 +130,13 @@ def _one_pull(state: State) -> bool:
     return (
         len(pulls) == 1 and every and gravity.strength(state) is not None and gravity.down(state) is not None
     )
+
+
+def _fit(stage: Stage, spacing: float) -> bool:
+    """Whether grains with this distance of their centres at most touch."""
+    radii = [kind.radii[1] for kind in stage.grains.values() if kind.radii is not None]
+    known = len(radii) == len(stage.grains)
+    return spacing == math.inf or (known and 2.0 * max(radii, default=0.0) <= spacing * (1.0 + TOUCHING))
 
 
 def _apart(state: State, stage: Stage, places: Sequence[tuple[float, ...]]) -> bool:

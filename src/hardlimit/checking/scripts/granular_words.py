@@ -205,6 +205,8 @@ LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
     "computeDissipation": None,
     "capillaryModel": None,  # of cohesion capillary
 }
+#: Models whose force is that of another one, except between the fragments of one grain.
+OF_FRAGMENTS: Final = {"hertz/break": "hertz"}
 #: Styles of ``fix property/global`` with the number of types of a value.
 PROPERTIES: Final = {"peratomtype": 1, "peratomtypepair": 2, "scalar": 0}
 
@@ -213,8 +215,10 @@ def gran_model(statement: Statement, words: Sequence[str]) -> Words:
     """``model NAME word value …``, up to the shape of a wall."""
     if len(words) < 2 or words[0] != "model":
         raise refused(statement, "begin with model NAME")
-    settings: dict[str, tuple[str, ...]] = {"model": (words[1],)}
+    settings: dict[str, tuple[str, ...]] = {"model": (OF_FRAGMENTS.get(words[1], words[1]),)}
     beside, shape, k = list[str](), list[str](), 2
+    if words[1] in OF_FRAGMENTS:
+        beside.append(f"weaker forces between the fragments of one grain ({words[1]})")
     while k < len(words):
         word, after = words[k], words[k + 1 : k + 2]
         if (shape or word in ("primitive", "mesh")) and word not in LIGGGHTS:

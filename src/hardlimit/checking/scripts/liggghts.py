@@ -123,6 +123,7 @@ class Liggghts(State):
         self.by_number: set[str] = set()  #: distributions with shares of the number
         self.meshes: dict[str, int] = {}
         self.coarse = 1.0
+        self.levels: dict[int, float] = {}  #: of coarse graining, of types that ``insert/pack/face`` makes
 
     def statement(self, statement: Statement) -> None:
         """Read one statement. A part of a script may be ``model NAME …`` alone."""
@@ -467,6 +468,9 @@ class Liggghts(State):
 
     def insert(self, fix: Fix) -> None:
         """Insertion of a distribution."""
+        if fix.style == "insert/pack/face":
+            self.refine(fix)
+            return
         name = self.option(fix, "distributiontemplate")
         templates = [self.templates.get(template) for template in self.distributions.get(name, [])]
         if not templates or None in templates:
@@ -484,6 +488,8 @@ class Liggghts(State):
             sizes.pop() if len(sizes) == 1 else None,
             dense.pop() if len(dense) == 1 else None,
         )
+        if fix.style.startswith("insert/stream"):
+            filling.streamed(self, fix, self.volume_rate(fix, name, [each for _, each in known]))
         lot = self.filling.census.lots[-1]
         if len(known) > 1 and lot.number and (shares := self.numbers(name, [each for _, each in known])):
             means = [filling.alike(template.radii) for _, template in known]
@@ -491,6 +497,39 @@ class Liggghts(State):
             self.filling.census.lots[-1:] = [
                 census.lot(kind, share * lot.number, mean) for (kind, _), share, mean in pairs
             ]
+
+    def refine(self, fix: Fix) -> None:
+        """``insert/pack/face``: grains of another type and coarse-graining level for those that cross a face."""
+        face = self.fixes.get(self.option(fix, "massflow_face"))
+        level = self.coefficient(self.option(fix, "cg"))
+        coarse = None if face is None else self.coefficient(self.option(face, "cg"))
+        offset = self.coefficient(self.option(fix, "type_offset") or "0")
+        if not level or not coarse or offset is None or not self.population.batches:
+            raise refused(fix.statement, "name a face with a cg level that grains cross")
+        batches = self.population.batches
+        crossing = [kind for kind in batches if self.levels.get(kind) == coarse]
+        for kind in crossing or [kind for kind in batches if kind not in self.levels]:
+            fine = kind + int(offset)
+            self.levels[fine] = level
+            for batch in list(batches[kind]):
+                low, high = batch.radii or (math.nan, math.nan)
+                own = None if batch.radii is None else (level / coarse * low, level / coarse * high)
+                self.population.add(fine, replace(batch, radii=own))
+            filling.poured(self, fix, fine, None, None)
+
+    def volume_rate(self, fix: Fix, name: str, templates: Sequence[Batch]) -> float | None:
+        """Volume of grains that a stream makes per time; None if it is not known."""
+        rate, mass_rate = (self.coefficient(self.option(fix, word)) for word in ("particlerate", "massrate"))
+        densities = {template.densities for template in templates}
+        dense = densities.pop() if len(densities) == 1 else None
+        if mass_rate is not None and dense is not None and dense[0] == dense[1]:
+            return mass_rate / dense[0]
+        means = [filling.alike(template.radii) for template in templates]
+        shares = self.numbers(name, templates) if len(templates) > 1 else [1.0]
+        cubes = [mean[1] for mean in means if mean is not None]
+        if rate is None or len(cubes) < len(means) or not shares:
+            return None
+        return rate * 4.0 / 3.0 * math.pi * math.fsum(a * b for a, b in zip(shares, cubes, strict=True))
 
     def numbers(self, name: str, templates: Sequence[Batch]) -> list[float]:
         """Shares of the number of grains of the templates of a distribution; empty if not known."""

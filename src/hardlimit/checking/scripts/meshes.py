@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 Triangles = NDArray[np.float64]  #: (n, 3, 3): corner and axis
 
 LARGEST: Final = 20_000_000  #: bytes of a file
+FLAT: Final = 1e-5  #: height of a mesh over its size up to which it is plane
 HEADER: Final = 84  #: bytes before the triangles of a binary file
 BINARY: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX: Final = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
@@ -39,6 +40,18 @@ def area_across(corners: Triangles, along: int) -> float:
     """Area of a mesh as seen along an axis: of its triangles that face one way, the larger one of both."""
     normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, along]
     return float(max(normals[normals > 0.0].sum(), -normals[normals < 0.0].sum()))
+
+
+def plane(corners: Triangles) -> tuple[tuple[float, ...], float] | None:
+    """The unit normal and the area of a mesh in one plane; None for other meshes."""
+    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    normals = normals[areas > 0.0] / areas[areas > 0.0, None]
+    if not len(normals):
+        return None
+    heights = (corners.reshape(-1, 3) - corners[0, 0]) @ normals[0]
+    flat = np.ptp(heights) <= FLAT * np.ptp(corners.reshape(-1, 3), axis=0).max()
+    return (tuple(map(float, normals[0])), float(areas.sum())) if flat else None
 
 
 def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:

@@ -161,19 +161,24 @@ def _pressed_by_servo(state: State, name: str, fix: Fix) -> tuple[int, float | N
 
 def _area_of_mesh(state: State, words: Sequence[str], along: int) -> float | None:
     """The area of a mesh as it is seen along an axis; None if its file cannot be read."""
+    corners = corners_of_mesh(state, words)
+    return None if corners is None else meshes.area_across(corners, along)
+
+
+def corners_of_mesh(state: State, words: Sequence[str]) -> meshes.Triangles | None:
+    """The corners of a mesh, scaled and turned but not moved; None if its file cannot be read."""
     name = words[words.index("file") + 1] if "file" in words[:-1] else ""
     corners = meshes.read(state.folder / name) if state.folder is not None and name else None
     scale = state.coefficient(words[words.index("scale") + 1]) if "scale" in words[:-1] else 1.0
     if corners is None or not scale:
         return None
-    if "rotate" in words:
-        at = words.index("rotate")
+    for at in [k for k, word in enumerate(words) if word == "rotate"]:
         numbers = [state.coefficient(word) for word in (*words[at + 2 : at + 5], *words[at + 6 : at + 7])]
         known = [number for number in numbers if number is not None]
         if len(known) < 4 or not any(known[:3]) or "angle" not in words[at + 5 : at + 6]:
             return None
         corners = meshes.rotated(corners, known[:3], known[3])
-    return scale * scale * meshes.area_across(corners, along)
+    return scale * corners
 
 
 def _over_area(state: State, target: str, across: Sequence[int]) -> float | None:

@@ -9,8 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from . import free_fall
-from .commands import Commands, Variables, text_of
+from . import free_fall, streams
+from .commands import SILENT, Commands, Variables, text_of
 from .filling import Filling
 from .population import Population
 
@@ -62,8 +62,9 @@ def written(state: State, name: str) -> None:
     tied = any(note.what.startswith(("clumps", "bonds")) for note in state.invalidates)
     wanted.understood = not (state.unknown or tied)
     filling = copy.deepcopy(state.filling)
-    filling.insertions, filling.heat, filling.drifts, filling.velocities_known = [], [], {}, False
-    filling.launches = [free_fall.UNKNOWN]
+    if not state.stages or any(streams.only(state, stage) is None for stage in state.stages):
+        filling.insertions, filling.launches = [], [free_fall.UNKNOWN]
+        filling.heat, filling.drifts, filling.velocities_known = [], {}, False
     wanted.contents = Restart(
         state.units,
         state.dimension,
@@ -98,7 +99,8 @@ def find(state: State, name: str) -> tuple[str, Restart] | None:
             continue
         wanted = Wanted(path_of(state.folder, name), depth)
         other = type(state)(Variables(), state.folder, state.version, state.code, wanted=wanted)
-        commands = islice(Commands(text, file.name, state.folder, Variables()), MOST_COMMANDS)
+        script = Commands(text, file.name, state.folder, Variables(), SILENT - {"write_restart"})
+        commands = islice(script, MOST_COMMANDS)
         try:
             other.read(commands)
         except ValueError:  # not a script, or one of which not all is known

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from functools import reduce
@@ -32,6 +33,7 @@ meso_e meso_cv meso_rho sphkernel add until
     4: "quat quat_direct spin/atom",
 }
 SET_COUNTS: Final = {word: count for count, words in SET_WORDS.items() for word in words.split()}
+VELOCITY: Final = ("vx", "vy", "vz")
 #: Properties that ``fix property/atom`` defines.
 CUSTOM: Final = re.compile(r"[id]2?_\w+")
 
@@ -51,6 +53,7 @@ def read(state: State, statement: Statement) -> None:
         chosen = Group(None, style == "atom" and name == "*")
     atoms = _atoms_of(name) if style == "atom" else None
     changes: list[Callable[[Batch], Batch]] = []
+    velocity: dict[str, float | None] = dict.fromkeys(VELOCITY, 0.0)
     k = 3
     while k < len(words):
         word, values = words[k], words[k + 1 :]
@@ -61,6 +64,8 @@ def read(state: State, statement: Statement) -> None:
             break
         if word in ("vx", "vy", "vz", "x", "y", "z"):
             state.filling.launches.append(free_fall.UNKNOWN)
+        if word in velocity:
+            velocity[word] = state.coefficient(values[0])
         if word in TYPE_KEYWORDS:
             _set_type(state, statement, chosen, word, values[:count], atoms)
         elif word in SET_KEYWORDS:
@@ -75,6 +80,12 @@ def read(state: State, statement: Statement) -> None:
                 whole = chosen.whole and atoms is None
                 state.filling.census.change(state.within(chosen), whole, radius)
         k += 1 + count
+    if any(velocity.values()):
+        every = style == "atom" and name == "*"
+        key = name if style == "group" else "all" if every else f"{style} {name}"
+        state.filling.drifts = {**state.filling.drifts, key: tuple(velocity.values())}
+    if None in velocity.values():
+        state.filling.velocities_known = False
     state.last = statement
     state.population.change(
         state.within(chosen),
@@ -87,7 +98,7 @@ def read(state: State, statement: Statement) -> None:
 
 def _resized(state: State) -> None:
     """Grains that were inserted at least their diameters apart may overlap with others."""
-    if any(launch.place is None for launch in state.filling.launches):
+    if any(launch.place is None and launch.spacing == math.inf for launch in state.filling.launches):
         state.filling.launches.append(free_fall.UNKNOWN)
 
 
@@ -103,6 +114,8 @@ def _set_type(
         share = state.number(statement, values[1])
     if not 1 <= kind <= MAX_TYPES or not 0.0 <= (0.5 if share is None else share) <= 1.0:
         state.elsewhere(statement)
+    elif share == 1.0 and not state.population.elsewhere and set(state.within(chosen)) <= {kind}:
+        return  # they have this type
     elif share != 0.0:
         whole = share == 1.0
         known = share if chosen.whole and atoms is None else None

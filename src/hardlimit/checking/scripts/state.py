@@ -65,7 +65,8 @@ group2ndx ndx2group quit partitioner_style extract_surface extrude_surface
 #: Fixes that only observe, or affect how the program runs.
 HARMLESS_FIX_NAMES: Final = """
 ave/ print store/ balance enforce2d property/atom vector recenter check/timestep dt/reset halt restart massflow/mesh
-mesh/surface mesh/volume particledistribution contacthistory particletemplate/sphere property/global region/variable
+mesh/surface mesh/volume particledistribution contacthistory particletemplate/sphere particletemplate/fragments
+property/global region/variable limit/property/atom
 neigh_history NEIGH_HISTORY momentum nve/noforce diam/max calculate/ contactproperty/ contactcounter/ pair
 """
 HARMLESS_FIXES: Final = tuple(HARMLESS_FIX_NAMES.split())
@@ -79,7 +80,7 @@ changed_since undefined forks system log_name unclear steps_done regions fixes t
 #: Fixes that move grains whatever forces act on them.
 PRESCRIBED: Final = ("nve/noforce", "move")
 INTEGRATORS: Final = ("nve", "nvt", "npt", "nph", "rigid", "poems", "multisphere", "brownian", "move")
-#: Fixes that add forces beside contacts, with the words for the report.
+#: Fixes that add forces beside contacts, or break grains, with the words for the report.
 FORCES: Final = {
     "viscous": "viscous drag",
     "drag": "drag",
@@ -102,6 +103,8 @@ FORCES: Final = {
     "rheo": "a fluid",
     "sph": "a fluid",
     "nve/limit": "limited displacements",
+    "forcecontrol/region": "forces that control a stress or a velocity",
+    "break/particle": "grains that break",
 }
 CLUMPS: Final = ("rigid", "poems", "multisphere", "particletemplate/multi", "shake", "rattle", "nve/asphere")
 CLUMP_STYLES: Final = ("ellipsoid", "line", "tri", "body", "superquadric", "convexhull", "bpm")
@@ -418,9 +421,10 @@ class State(Groups):
             self.invalidate("long-range forces", statement)
 
     def command_partition(self, statement: Statement) -> None:
-        """A command for some partitions only."""
-        if not set(statement.words[3:4]) <= HARMLESS:
-            self.unknown[statement.quote] = None
+        """A command, or a value of a variable, for some partitions only."""
+        what = "several partitions run this script at once; it is read as the first one runs it"
+        if not any(note.what == what for note in self.warnings):
+            self.warnings[Note(what, None, statement.quote)] = None
 
     def command_log(self, statement: Statement) -> None:
         self.log_name = statement.words[1] if len(statement.words) > 1 else ""
@@ -793,6 +797,14 @@ class State(Groups):
             self.unknown[fix.statement.quote] = None
         elif style.startswith("dt/reset"):
             self.ignore("a time step that adapts (dt/reset)", fix.statement)
+        elif style == "chem/shrink/core":
+            self.ignore(
+                "masses that reactions change (chem/shrink/core): those at the start count", fix.statement
+            )
+        elif style == "scale/diameter" and self.shrinks(fix):
+            self.ignore(
+                "diameters that a region reduces (scale/diameter): those outside count", fix.statement
+            )
         elif style == "remove":
             self.filling.census.complete = False
             self.ignore("grains that are removed (remove)", fix.statement, types)
@@ -802,10 +814,20 @@ class State(Groups):
             what = next((what for start, what in FORCES.items() if style.startswith(start)), "")
             if what:
                 self.invalidate(f"{what} ({style})", fix.statement, types)
+                if style == "break/particle":
+                    self.warnings[
+                        Note("numbers are those of grains before they break", types, fix.statement.quote)
+                    ] = None
                 if style.startswith("damping/"):
                     self.refused[str(refused(fix.statement, f"be without {what}"))] = None
             elif not known:
                 self.unknown[fix.statement.quote] = None
+
+    def shrinks(self, fix: Fix) -> bool:
+        """Whether ``scale/diameter`` makes no grain larger than it is outside the region."""
+        at = fix.words.index("scale") + 1 if "scale" in fix.words[:-1] else len(fix.words) - 1
+        scale = self.coefficient(fix.words[at]) if fix.words else None
+        return scale is not None and 0.0 < scale <= 1.0
 
     def invalidate(self, what: str, statement: Statement, types: tuple[str, ...] | None = None) -> None:
         """Note what makes hard spheres wrong."""
