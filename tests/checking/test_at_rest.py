@@ -16,6 +16,7 @@ import hardlimit as hl
 from conftest import refusal, slow
 from hardlimit.checking import at_rest, cases, mixture
 from hardlimit.checking.scripts import census
+from hardlimit.cli.check import corrections
 
 STUDIES = Path(__file__).parents[2] / "studies"
 STATES = Path(__file__).parent / "data/states"
@@ -887,6 +888,7 @@ def test_a_step_too_long_for_a_packing_is_corrected():
     long = hl.check(bed.replace("timestep 1e-7", "timestep 1e-5"), height=0.1)
     assert long.state.step_share > 1.0
     assert long.corrected == ("timestep 3.914e-06  # 0.5 of the longest stable one at 6 contacts per grain",)
+    assert corrections(long) == "Corrected lines:"  # which say what they are for
     assert hl.check(bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1).corrected == ()
     flow = hl.check(
         bed.replace("timestep 1e-7", "timestep 3e-6"), height=0.1, shear_rate=1e3, packing_fraction=0.3

@@ -65,6 +65,10 @@ def test_grains_that_meet_only_walls():
     text = text.replace("O.engines", f"for k in range(30):\n    O.bodies.append({falling})\nO.engines")
     verdict = hl.check(text)
     assert verdict.state.grains == 0 and "Grains meet walls only" in verdict.sentence
+    assert (
+        "No: grains come to rest on walls under gravity" in verdict.sentence
+        and "rest on each" not in verdict.sentence
+    )
     many = hl.check(text.replace("Ig2_Facet_Sphere_ScGeom()", BOTH)).state
     assert many.grains is None and "in one stack" in many.pressure_from
 
@@ -148,3 +152,36 @@ def test_few_grains_do_not_rest_on_each_other():
         pair(f"{FACET}, {TWO.replace('0, 0, 0)', '0, 0, 0.1)').replace('0.0201', '0.2')}", gravity=-9.81)
     )
     assert "No: the two grains come to rest under gravity, which" in two.sentence
+
+
+ELASTIC = PAIR.replace("(en=0.8)", "()")
+DROP = pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81).replace("(en=0.8)", "()")
+HEAP = DROP.replace(
+    "O.engines", "for k in range(30):\n    O.bodies.append(sphere((0, 0, 0.6 + k), 0.01))\nO.engines"
+)
+
+
+@pytest.mark.parametrize("text", [DROP, HEAP])
+def test_elastic_grains_never_rest(text):
+    """In YADE, 317 of them above a plane still have the energy of their fall after 2.5 s, and spread."""
+    verdict = hl.check(text)
+    assert verdict.state.name == "gas" and verdict.admissible is None
+    assert "Cannot be said: elastic grains bounce for ever under gravity" in verdict.sentence
+    for changed in (text.replace("damping=0,", "damping=0.1,"), text.replace("Phys()", "Phys(en=0.99)")):
+        assert changed != text and hl.check(changed).state.name == "rest"
+        assert hl.check(changed).admissible is False and " rest " in hl.check(changed).sentence
+    rubbing = hl.check(text.replace("frictionAngle=0.0", "frictionAngle=0.4")).state
+    assert rubbing.name == ("gas" if text == DROP else "rest")  # one alone falls straight down
+
+
+def test_a_statement_that_is_not_understood_ends_with_a_full_stop():
+    text = ELASTIC.format(bodies=TWO, meeting=BOTH, gravity=0).replace(
+        "O.dt", "O.bodies[0].state.mass = 3\nO.dt"
+    )
+    assert hl.check(text).sentence.endswith("this is not understood: line 14: O.bodies[0].state.mass = 3.")
+
+
+def test_the_step_of_one_contact_is_not_that_of_a_packing():
+    text = pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81).replace("O.dt = 1e-5", "O.dt = 1e-3")
+    (line,) = (line for line in hl.check(text).corrected if line.startswith("O.dt"))
+    assert line.endswith("# 0.5 of the longest stable one")

@@ -219,6 +219,23 @@ def test_a_mesh_has_the_radius_at_which_it_centrifuges(name, rate):
     verdict = hl.check(STATES / name)
     assert verdict.state.centrifuging_radius == pytest.approx(9.81 / rate**2)
     assert "A drum that turns so is rolling up to R = 2." in verdict.sentence
+    assert verdict.state.rolling_radius == pytest.approx(0.01 * verdict.state.centrifuging_radius)
+    assert ", throws its grains from 2" in verdict.sentence
+
+
+def test_a_drum_smaller_than_its_grains_does_not_roll():
+    """As of an hourglass that is turned over; only the radius from which on it throws grains is left."""
+    verdict = hl.check(text("liggghts_turning_drum", ("radius constant 0.003", "radius constant 0.006")))
+    assert verdict.state.rolling_radius is None and "rolling" not in verdict.sentence
+    assert "A drum that turns so throws its grains from R = 22 cm on" in verdict.sentence
+
+
+@pytest.mark.parametrize("turns,thrown", [(1, False), (3, True)])
+def test_contacts_in_a_drum_that_throws_its_grains_may_not_last(turns, thrown):
+    verdict = hl.check(text("lammps_turning_drum", ("equal PI*time", f"equal {turns}*PI*time")))
+    assert verdict.admissible is (None if thrown else False)
+    assert ("Cannot be said: a drum in which contacts may not last" in verdict.sentence) is thrown
+    assert ("cataracting" in verdict.sentence) is thrown
 
 
 def test_the_radius_is_in_metres_in_every_unit():

@@ -967,6 +967,30 @@ def test_groups_of_atoms_and_of_regions_that_are_frozen():
     assert grains["1"].partly_frozen and not grains["1"].frozen and not grains["1"].counted
 
 
+@pytest.mark.parametrize(
+    "words,low,up",
+    [
+        ("> 0", True, True),
+        (">= 1", True, True),
+        ("> 1", False, True),
+        ("<> 1 1", True, False),
+        ("!= 1", False, True),
+    ],
+)
+def test_groups_of_atoms_by_a_comparison(words, low, up):
+    atoms = BASE.replace(POUR, "create_atoms 1 single 0 0 0\ncreate_atoms 2 single 0 0 1\n")
+    grains = stage(f"{atoms}group some id {words}\nfix 1 some freeze\nfix 2 all nve\nrun 1\n").grains
+    assert (grains["1"].frozen, grains["2"].frozen) == (low, up)
+
+
+def test_all_atoms_by_number_are_all_atoms():
+    """Also where numbers are not known: none keeps the diameter 1 that ``create_atoms`` gives it."""
+    atoms = BASE.replace(POUR, "create_atoms 1 box\n")
+    for words, radii in (("id >= 1", (0.002, 0.002)), ("id >= 2", (0.002, 0.5))):
+        text = f"{atoms}group some {words}\nset group some diameter 0.004\nfix 2 all nve\nrun 1\n"
+        assert stage(text).grains["1"].radii == radii
+
+
 def test_elif_has_no_then():
     lines = (
         "variable m index hard\n"

@@ -241,7 +241,7 @@ def test_a_part_of_a_model_that_is_not_known_is_named(part):
     (unknown,) = read(f"{SCRIPT}{line}\nrun 1\n").unknown
     assert (unknown.text, unknown.part) == (line, part)
     sentence = hl.check(f"{SCRIPT}{line}\nrun 1\n").sentence
-    assert sentence.endswith(f"{line} ({part} is not known)")
+    assert sentence.endswith(f"{line} ({part} is not known).")
 
 
 def test_what_is_unknown_is_quoted():

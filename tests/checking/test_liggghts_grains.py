@@ -606,3 +606,67 @@ def test_a_force_acts_on_the_area_of_a_mesh(tmp_path, binary):
         0.001 / 0.1**2
     )  # larger than the box
     assert pressure(level.replace("file plane.stl", "file none.stl")) == pytest.approx(0.001 / 0.1**2)
+
+
+# --- walls that move ----------------------------------------------------------------------------------------------
+
+STAMP = (
+    "fix lid all mesh/surface file lid.stl type 1\n"
+    "fix walls all wall/gran model hertz tangential history mesh n_meshes 1 meshes lid\n"
+)
+LIFT = "fix lift all move/mesh mesh lid linear 0 0 {}\n"
+
+
+@pytest.mark.parametrize("velocity", ["-0.01", "0.01"])
+def test_a_piston_leaves_the_pressure_unknown(velocity):
+    """Also once it has turned back. In LIGGGHTS, squeezing gels by 18 % takes 22 times their weight."""
+    begin = head() + SPHERE + PACK + GRAVITY + WALL + STAMP
+    still = hl.check(begin + MOVE).state
+    assert still.name == "rest" and still.pressure is not None
+    turned = "unfix lift\n" + LIFT.format("0.01") + "run 1000\n"
+    moved = hl.check(begin + LIFT.format(velocity) + MOVE + turned).state
+    assert moved.name == "flow" and (moved.pressure is None) is (velocity == "-0.01")
+    if moved.pressure is not None:
+        assert moved.pressure == pytest.approx(still.pressure)
+        assert moved.pressure_from.endswith("without what moving walls add")
+
+
+def test_walls_that_move_across_gravity_leave_the_weight():
+    begin = head() + SPHERE + PACK + GRAVITY + WALL + STAMP
+    moved = hl.check(begin + LIFT.replace("0 0 {}", "0.1 0 0") + MOVE).state
+    assert moved.pressure_from.endswith(", without what moving walls add")
+
+
+def test_a_servo_along_one_axis_has_less_stress_across():
+    """1000 grains below a plate in LIGGGHTS: stresses across are 0.53 of that along, the mean overlap 6.0 %."""
+    text = (
+        head(friction=0.3)
+        + SPHERE
+        + PACK
+        + SERVO.format(name="lid", axis="0 0 -1").replace("0.001", "255")
+        + WALL
+    )
+    text += "fix w all wall/gran model hertz tangential history mesh n_meshes 1 meshes lid\n" + MOVE
+    alone, isotropic = hl.check(text).state, hl.check(TRIAXIAL.replace("2e4", "25500")).state
+    assert alone.pressure == pytest.approx(isotropic.pressure)
+    same = hl.check(
+        TRIAXIAL.replace("2e4", "25500").replace("peratomtypepair 1 0.5", "peratomtypepair 1 0.3")
+    ).state
+    assert alone.overlap / same.overlap == pytest.approx(0.69 ** (2.0 / 3.0), rel=1e-3)
+    assert alone.overlap_range[0] / 1.08 < 0.0604 < alone.overlap_range[1]
+
+
+def test_rolling_friction_of_several_pairs_is_one_warning():
+    text = head(model="hertz tangential history rolling_friction cdt").replace("create_box 1", "create_box 2")
+    for old in ("5e6", "0.45"):
+        text = text.replace(f"peratomtype {old}", f"peratomtype {old} {old}")
+    text = text.replace("pair 1 0.9", "pair 2 0.9 0.9 0.9 0.9").replace(
+        "pair 1 0.5", "pair 2 0.5 0.5 0.5 0.5"
+    )
+    text += "fix m6 all property/global coefficientRollingFriction peratomtypepair 2 0.1 0.2 0.2 0.3\n"
+    text += SPHERE + SPHERE.replace("fix t ", "fix u ").replace(
+        "15485863 atom_type 1", "49979687 atom_type 2"
+    )
+    text += PACK.replace("1 t 1.0", "2 t 0.5 u 0.5") + MOVE
+    said = [warning.what for warning in hl.check(text).warnings if "rolling_friction" in warning.what]
+    assert len(set(said)) == 1 and "0.1 or 0.2 or 0.3 R_eff J_n" in said[0]

@@ -866,7 +866,7 @@ KROT = "Ip2_FrictMat_FrictMat_MindlinPhys(krot=1e-3, ktwist=1e-4, eta={})"
 COHESION = ("Ip2_CohFrictMat_CohFrictMat_CohFrictPhys()", "Law2_ScGeom6D_CohFrictPhys_CohesionMoment({})")
 TRAPS = {
     "es": ((YADE_ES, MINDLIN[1]), GLASS, "es = 0.4 is no restitution"),
-    "et": (VISCEL, TC.format("", 0.3), "et = 0.5 reverses"),
+    "et": (VISCEL, TC.format("", 0.3), "et reverses"),
     "half the mass": (VISCEL, TC.format("", 0.3), "at facets, YADE computes kn, cn, ks and cs with half the mass"),
     "linear shear": ((MINDLIN[0], "Law2_ScGeom_MindlinPhys_HertzWithLinearShear()"), GLASS, "8 G* √R, in N/m^1.5"),
     "no tangential force": (

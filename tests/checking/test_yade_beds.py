@@ -176,3 +176,95 @@ def test_the_pressure_is_that_in_yade():
     )
     assert said.pressure == pytest.approx(234, rel=0.04) and said.pressure > 234
     assert said.overlap == pytest.approx(7.4e-5, rel=0.06)
+
+
+# --- grains that are not what their material and their numbers say -------------------------------------------------
+
+CELL = """from yade import pack
+O.periodic = True
+O.cell.setBox(0.1, 0.1, 0.1)
+O.materials.append(FrictMat(young=1e7, poisson=0.3, frictionAngle=0.4, density=2500))
+sp = pack.SpherePack()
+sp.makeCloud((0, 0, 0), (0.1, 0.1, 0.1), rMean=0.004, rRelFuzz=0.2, num={number}, periodic=True)
+sp.toSimulation()
+{end}
+O.engines = [
+    ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
+    InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
+        [Law2_ScGeom_FrictPhys_CundallStrack()]),
+    {engine},
+    NewtonIntegrator(damping=0.2)]
+O.dt = 0.5 * PWaveTimeStep()
+O.run(1000, True)
+"""
+SQUEEZED = "PeriTriaxController(goal=(-1e4, -1e4, -1e4), stressMask=7)"
+GROWING = "TriaxialStressController(goal1=-1e4, goal2=-1e4, goal3=-1e4, stressMask=7{})"
+
+
+def cell(number=900, end="", engine=SQUEEZED):
+    return hl.check(CELL.format(number=number, end=end, engine=engine))
+
+
+def test_a_cloud_without_room_has_unknown_sizes():
+    """YADE puts the largest spheres first and gives up: of 700 with φ = 0.9, 108 of the upper tenth of the radii."""
+    filled, overfull = cell(), cell(number=3500)
+    assert filled.rows[0].radius == pytest.approx(0.0032) and filled.state.largest_stable_step
+    assert all(row.radius is None for row in overfull.rows) and "sizes" in overfull.missing
+    assert overfull.time_step is None and overfull.state.largest_stable_step is None
+    assert overfull.state.stiffness_number == pytest.approx(filled.state.stiffness_number)
+
+
+def test_masses_that_a_script_sets_are_not_those_of_the_material():
+    heavy = cell(end="for b in O.bodies:\n    b.state.mass = 1e-3 * b.shape.radius")
+    assert heavy.time_step is None and all(row.duration is None for row in heavy.rows)
+    assert "masses" in heavy.missing and heavy.state.largest_stable_step is None
+    assert heavy.state.overlap == pytest.approx(cell().state.overlap, rel=0.12)  # without their unequal sizes
+
+
+def test_one_layer_of_spheres_carries_what_is_prescribed_over_the_cell():
+    """400 in a cell ten times as thick: overlaps in YADE are 12 times those of a packing in space."""
+    assert cell().state.pressure == 1e4
+    assert cell(end="for b in O.bodies:\n    b.state.blockedDOFs = 'zXY'").state.pressure is None
+
+
+@pytest.mark.parametrize("option,grows", [("", True), (", internalCompaction=False", False)])
+def test_spheres_that_a_controller_makes_larger_have_unknown_sizes(option, grows):
+    """In YADE, 1000 in a box grow by a factor of 2.2 until they are under their pressure."""
+    verdict = cell(engine=GROWING.format(option))
+    assert (verdict.rows[0].radius is None) is grows
+    assert any("radii that grow" in finding.what for finding in verdict.ignored) is grows
+    assert verdict.state.pressure == 1e4 and (verdict.state.largest_stable_step is None) is grows
+
+
+def test_a_stress_along_one_axis_is_not_the_mean():
+    along = cell(engine=SQUEEZED.replace("stressMask=7", "stressMask=4")).state
+    assert along.overlap == pytest.approx(0.69 * cell().state.overlap, rel=0.02)
+
+
+def test_soft_pressed_grains_have_a_wider_range():
+    """1000 equal spheres with μ 0.55 in cells of YADE have φ z = 3.05 at κ_p = 100, 2.49 at 500 and 2.17 at 5000."""
+    for young, carrying in ((2e6, 3.05), (1e7, 2.49), (1e8, 2.17)):
+        text = (
+            CELL.format(number=900, end="", engine=SQUEEZED)
+            .replace("rRelFuzz=0.2, ", "")
+            .replace("1e7", repr(young))
+        )
+        low, high = hl.check(
+            text.replace("frictionAngle=0.4", "frictionAngle=atan(0.55)")
+        ).state.overlap_range
+        assert low < 4.0 * math.pi * 1e4 / (young * carrying) < high
+
+
+def test_only_the_damping_of_the_last_run_is_warned_of():
+    text = CELL.format(number=900, end="", engine=SQUEEZED).replace("damping=0.2", "damping=0.2, label='n'")
+    verdict = hl.check(text + "n.damping = 0.1\nO.run(1000, True)\n")
+    (warned,) = (warning.what for warning in verdict.warnings if "acts on spins" in warning.what)
+    assert "0.1 of NewtonIntegrator" in warned
+
+
+def test_contacts_that_do_not_depend_on_the_speed_have_one_row():
+    """Also if ε differs by rounding, and nothing else is known."""
+    text = CELL.format(number=3500, end="", engine=SQUEEZED)
+    verdict = hl.check(text.replace("damping=0.2", "damping=0.4"))
+    assert [row.speed for row in verdict.rows] == [None]
+    assert not any("were chosen" in remark for remark in verdict.remarks)

@@ -53,6 +53,9 @@ NEVER_MEET: Final = (
 )
 
 
+BOUNCE: Final = "elastic grains bounce for ever under gravity"
+
+
 @dataclass(frozen=True)
 class Question:
     """What is asked of the contacts."""
@@ -87,7 +90,7 @@ def answer(
     if wrong := _too_wrong(pairs, known, missing, question):
         return False, f"No: {wrong}.{_with_friction(known, question)}"
     if unknown:
-        return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}"
+        return None, f"Cannot be said: this is not understood: {unknown[0].where or unknown[0].what}."
     rubbing = [row for row in pairs if row.friction.coefficient != 0.0]
     unclear = any(row.friction.coefficient is None for row in rubbing)
     if rubbing and len(known) < len(pairs) and (unclear or not missing):

@@ -60,6 +60,10 @@ SAFE_SHARE: Final = 0.5
 #: make a column this many times as high as wide.
 LAYERS: Final = 100
 SLENDER: Final = 10.0
+#: Froude number from which on a drum throws its grains (cataracting: Mellmann, Powder Technol. 118, 251 (2001)).
+THROWN: Final = 0.1
+#: Radius over the diameter of grains of the narrowest drum.
+NARROWEST: Final = 2.0
 #: The part of the contact duration that is usually taken as the time step.
 USUAL_STEP: Final = 50.0
 
@@ -108,6 +112,12 @@ PRESSED: Final = {
 }
 #: Least and largest φ z over these, by the first packing fraction, rate, damping and tangential springs.
 PREPARED: Final = (0.92, 1.09)
+#: Mean of the normal stresses over that of a piston, without friction and with it: stresses across are about half as
+#: large, 1 − sin of an angle of repose of 27° to 30° (J. Jáky, 1944); 0.69 below a servo wall of LIGGGHTS.
+UNIAXIAL: Final = {True: 0.69, False: 0.96}
+#: Least one of softer grains, below this κ_p, which were not measured: cells and triaxial boxes that YADE compresses at
+#: κ_p from 50 to 500 have 0.83 to 1.
+SOFTER, LEAST_OF_SOFTER = 1e3, 0.83
 #: Decrease of φ z over the standard deviation of the radii in units of their mean, and the largest that was measured:
 #: small grains between large ones carry nothing.
 NARROWER, MEASURED_WIDTH = 0.5, 0.2 / math.sqrt(3.0)
@@ -562,6 +572,7 @@ class Load:
     origin: str = ""  #: of the pressure, in words
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
+    uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
     packing: Packing | None = None  #: as measured in a dump, or given
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains, if they are known and differ
     shear_rate: float | None = None
@@ -630,6 +641,7 @@ class GrainState:
     slope_inertial_number: tuple[float, float] | None = None  #: range of I of a deep layer at this tilt
     rest_angle: float | None = None  #: [°] below which such a layer comes to rest
     froude_number: float | None = None  #: Fr = ω²R/g of a drum
+    rolling_radius: float | None = None  #: 0.01 g/ω² [m], with Fr = 0.01, if such a drum holds grains
     centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
 
     @property
@@ -639,6 +651,8 @@ class GrainState:
         :meta private:
         """
         border, slope = self.collisional_from, self.slope_inertial_number
+        if self.froude_number is not None and self.froude_number >= THROWN:
+            return True
         if self.inertial_number is not None:
             return self.regime in (None, "collisional")
         return border is not None and slope is not None and slope[1] >= border
@@ -709,7 +723,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     bed = load.packing or PACKINGS[dimension, rough]
     if rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1:
         bed = bed._replace(stress_share=UNEQUAL_SHARE)
-    packing = bed if load.weight else bed._replace(stress_share=1.0)
+    packing = bed if load.weight else bed._replace(stress_share=UNIAXIAL[rough] if load.uniaxial else 1.0)
     contacts = loaded(moving, load.pressure, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
@@ -733,6 +747,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         slope_inertial_number=load.slope_inertial_number,
         rest_angle=load.rest_angle,
         froude_number=load.froude_number,
+        rolling_radius=_rolling_radius(load, diameter),
         centrifuging_radius=load.centrifuging_radius,
     )
     if (
@@ -754,6 +769,12 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if dimension == 2 or not rough or kappa < SOFTEST:
         return state
     return replace(state, packing_excess=DENSER / kappa, coordination_excess=MORE_CONTACTS / math.sqrt(kappa))
+
+
+def _rolling_radius(load: Load, diameter: float | None) -> float | None:
+    """Radius up to which a drum rolls; None without one, and if it has no room for grains of this diameter."""
+    radius = 0.01 * (load.centrifuging_radius or 0.0)
+    return radius if radius >= NARROWEST * (diameter or 0.0) and radius > 0.0 else None
 
 
 def _supposed(
@@ -842,6 +863,7 @@ def _prepared(overlap: float, contact: Loaded, kappa: float) -> dict[str, Any]:
     if packing.prepared is None or contact.dimension != 3:
         return {}
     least, most = packing.prepared
+    least = min(least, LEAST_OF_SOFTER) if kappa < SOFTER else least
     smooth = packing.carrying(kappa, 3) / pressed(0.0).carrying(kappa, 3)
     return {
         "overlap_range": (overlap * most**-power, overlap * least**-power),

@@ -315,7 +315,7 @@ def _of_law(
         invalidates=tuple(invalidates),
         unknown=(),
         missing=missing,
-        remarks=tuple(remarks.on_contacts(examined, options, gas, speeds, at, False)),
+        remarks=tuple(remarks.on_contacts(examined, rows, options, gas, speeds, at, False)),
         warnings=tuple(findings.traps(rows)),
         corrected=(),
         quantity=None if question.driven else question.quantity,

@@ -25,7 +25,7 @@ from .contacts import Case, restitution_of
 from .friction import contact_of
 from .scripts import Bath, ContactSettings, Stage
 from .scripts.description import WALL, Motion
-from .scripts.motion import acceleration
+from .scripts.motion import acceleration, sinking
 
 #: Number of steps in which ε and the speed, on which it may depend, become consistent.
 STEPS: Final = 40
@@ -395,6 +395,12 @@ def holds(stage: Stage, contact: ContactSettings) -> bool:
     if stage.down is None or contact.pushes is None:
         return True
     return any(sum(p * g for p, g in zip(push, stage.down, strict=True)) < -1e-12 for push in contact.pushes)
+
+
+def presses(stage: Stage) -> bool:
+    """Whether a wall moves steadily along gravity, as a piston does."""
+    moving = [wall.motion for wall in stage.contacts if wall.types[1] == WALL and wall.motion is not None]
+    return any(sinking(motion, stage.down) > 0.0 for motion in moving)
 
 
 def fixed(stage: Stage, types: Sequence[str]) -> bool:

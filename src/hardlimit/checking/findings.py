@@ -19,6 +19,7 @@ from .scripts import Description, Note, Quote, Stage
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
 RESTS: Final = "grains rest on each other under gravity"
+RESTS_ON_WALLS: Final = "grains come to rest on walls under gravity"
 RESTS_OR_FLOWS: Final = "grains rest or flow in lasting contact under gravity"
 FEW_REST: Final[dict[float | None, str]] = {
     1.0: "the grain comes to rest under gravity",
@@ -32,10 +33,12 @@ def lasting(
     rows: Sequence[CheckedContact],
     states: Sequence[dumps.State],
     chosen: bool = False,
+    elastic: bool = False,
 ) -> Iterator[Finding]:
     """Contacts that last: grains that rest under gravity or are pressed, and grains that do not separate.
 
-    ``chosen``: speeds are not given; a contact is then overdamped if it is at all speeds.
+    ``chosen``: speeds are not given; a contact is then overdamped if it is at all speeds. ``elastic``: nothing
+    dissipates in the last run.
     """
     lasting = contacts_last(rows, states)
     if lasting:
@@ -52,10 +55,11 @@ def lasting(
         resting = (
             (stage, support)
             for stage, support in zip(stages, supports, strict=True)
-            if support.rests and stage.system not in shaken
+            if support.rests and stage.system not in shaken and not elastic
         )
+        walls_only = all(row.types[1] == cases.WALL for row in rows)
         for stage, support in islice(resting, 1):
-            yield Finding(rest(support, stage.contents.count), None, where(stage.quote))
+            yield Finding(rest(support, stage.contents.count, walls_only), None, where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
     for row in rows:
         overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)
@@ -77,7 +81,7 @@ def held_together(grains: GrainState, options: Options, lasting: Iterable[Findin
     """Findings of lasting contacts: that which options state first, and no rest in a flow that may be collisional."""
     findings = list(lasting)
     if grains.may_separate:
-        rest = (RESTS, *FEW_REST.values())
+        rest = (RESTS, RESTS_ON_WALLS, *FEW_REST.values())
         findings = [finding for finding in findings if not finding.what.startswith(rest)]
     elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
@@ -88,10 +92,10 @@ def held_together(grains: GrainState, options: Options, lasting: Iterable[Findin
         yield finding._replace(what=finding.what.replace(RESTS, moves))
 
 
-def rest(support: drive.Support, count: float | None) -> str:
-    """That so many grains rest, and how strongly their support is shaken; one or two rest on walls."""
+def rest(support: drive.Support, count: float | None, walls_only: bool = False) -> str:
+    """That so many grains rest, and how strongly their support is shaken; few, or all without others, on walls."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
-    return f"{FEW_REST.get(count, RESTS)}{shaking}"
+    return f"{FEW_REST.get(count, RESTS_ON_WALLS if walls_only else RESTS)}{shaking}"
 
 
 def not_understood(

@@ -8,6 +8,7 @@ from dataclasses import replace
 from ..support.formatting import digits
 from . import answer, at_rest, corrections, drive, dumps, few, findings, loads, state_words, surroundings
 from .at_rest import GrainState
+from .contacts import CheckedContact
 from .options import CHOSEN_SPEEDS, Options
 from .scripts import Stage
 from .scripts.clumps import STYLE as MULTISPHERE
@@ -18,9 +19,16 @@ from .units import unit_of
 
 
 def in_script(
-    final: System, frames: Sequence[dumps.Frame], states: Sequence[dumps.State], others: str
+    final: System,
+    runs: Sequence[Stage],
+    frames: Sequence[dumps.Frame],
+    states: Sequence[dumps.State],
+    others: str,
 ) -> GrainState:
-    """How the grains of the last run are held together, in SI units. ``others``: what else acts on them, in words."""
+    """How the grains of the last of some runs are held together, in SI units.
+
+    ``others``: what else acts on them, in words.
+    """
     stage = final.last
     examined = {id(case): case for case, _ in final.examined}
     newest = max((case.stage for case in examined.values()), default=0)
@@ -44,6 +52,8 @@ def in_script(
         bed=bed,
         lasting=findings.contacts_last([row for _, row in final.examined], states),
         barostat="barostat" in others,
+        piston=any(drive.presses(run) for run in runs),
+        elastic=bounces(final, others),
         fluid=any(words in others for words in ("fluid", "buoyancy")),
     )
     grains = _contact_of_few(state_of(stage, drive.support(stage), final.options, around), final, around)
@@ -52,6 +62,20 @@ def in_script(
     ):  # whose arms and moments of inertia are not those of the sphere that stands for them
         grains = replace(grains, largest_stable_step=None, step_share=None)
     return grains
+
+
+def bounces(final: System, others: str) -> bool:
+    """Whether nothing dissipates in the last run, so that no grain comes to rest; one alone rubs at no other."""
+    newest = max((row.stage for row in final.rows), default=0)
+    rows = [row for row in final.rows if row.stage == newest]
+    alone = final.last.contents.count == 1.0
+    elastic = (1.0 - drive.ELASTIC < (row.restitution or 0.0) <= 1.0 + drive.ELASTIC for row in rows)
+    return bool(rows) and not others and all(elastic) and (alone or not any(map(rubs, rows)))
+
+
+def rubs(row: CheckedContact) -> bool:
+    """Whether a contact has friction, or one that is not known."""
+    return row.friction.coefficient != 0.0
 
 
 def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> GrainState:
@@ -97,7 +121,9 @@ def flowing(question: answer.Question, grains: GrainState, gravity: bool) -> ans
         return replace(question, may_be_dense=True)
     if not (grains.may_separate and gravity):
         return question
-    where = "a slope on" if grains.inertial_number is None else "a flow under gravity in"
+    where = "a flow under gravity in"
+    if grains.inertial_number is None:
+        where = "a slope on" if grains.froude_number is None else "a drum in"
     known = grains.regime == "collisional"
     how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
     return replace(question, driven=how)
@@ -108,11 +134,10 @@ def step_at_rest(grains: GrainState, system: System, last: Stage) -> corrections
     longest = grains.largest_stable_step
     if longest is None or grains.regime == "collisional" or system.last is not last:
         return None
-    share, contacts = at_rest.SAFE_SHARE, digits(grains.coordination or 0.0, 2)
+    share, contacts = at_rest.SAFE_SHARE, grains.coordination
     step = share * longest / SCALES[last.units][2]
-    return corrections.LargestStep(
-        step, f"{share:g} of the longest stable one at {contacts} contacts per grain"
-    )
+    packing = "" if contacts is None else f" at {digits(contacts, 2)} contacts per grain"
+    return corrections.LargestStep(step, f"{share:g} of the longest stable one{packing}")
 
 
 def state_of(stage: Stage, support: drive.Support, options: Options, around: loads.Around) -> GrainState:
@@ -123,7 +148,9 @@ def state_of(stage: Stage, support: drive.Support, options: Options, around: loa
     mass, length, time = SCALES[stage.units]
     unit = mass / (length ** (around.dimension - 2) * time**2)
     sizes = {"largest_stable_step": time, "pressure": unit, "pressure_for_rigid": unit}
-    sizes |= dict.fromkeys(("height_for_rigid", "layers_height", "centrifuging_radius"), length)
+    sizes |= dict.fromkeys(
+        ("height_for_rigid", "layers_height", "rolling_radius", "centrifuging_radius"), length
+    )
     known = {name: getattr(state, name) for name in sizes}
     springs = [
         case.spring_powers for case in around.cases if case.spring and case.spring[0] == state.stiffness

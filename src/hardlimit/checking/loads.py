@@ -24,6 +24,7 @@ from .supplied import SCALES
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
+BY_SCRIPT: Final = "as the script says"
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -70,6 +71,8 @@ class Around(NamedTuple):
     bed: dumps.Bed | None = None  #: of a dump or a system
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
+    piston: bool = False  #: whether a wall moved along gravity in this run or one before
+    elastic: bool = False  #: whether nothing dissipates, so that no grain comes to rest
     fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
 
@@ -108,7 +111,7 @@ def load_of(
     )
     if options.height is not None and not stage.gravity:
         raise ValueError(f"height: got {options.height:g}, must be left out without gravity")
-    rests = support.rests or options.height is not None
+    rests = (support.rests and not around.elastic) or options.height is not None
     rate, lasting = stage.shear_rate if shear_rate is None else shear_rate, around.lasting
     if stage.gravity and support.moves and not (rests or lasting or under_pressure):
         frequency = None if support.motion is None else support.motion.frequency
@@ -130,12 +133,14 @@ def load_of(
         speed_unit=around.speed_unit,
     )
     load = replace(load, **_pressure(stage, options, around, under_pressure))
-    beside = ["the fluid"] * around.fluid + [stage.contents.without] * bool(stage.contents.without)
+    walls = stage.contents.without or "what moving walls add" * support.moves
+    beside = ["the fluid"] * around.fluid + [walls] * bool(walls)
     if load.weight and beside:
         load = replace(load, origin=f"{load.origin}, without {listed(beside)}")
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
+    load = replace(load, uniaxial=stage.uniaxial and load.origin == BY_SCRIPT)
     by_script = stage.pressed or stage.pressure is not None or around.barostat
     settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
     known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks
@@ -168,8 +173,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.pressure is not None:
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
-        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": "as the script says"}
-    if stage.gravity is None:
+        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": BY_SCRIPT}
+    if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope
     kinds = _kinds(stage, around)

@@ -73,16 +73,17 @@ def missing(
 
 def on_contacts(
     examined: Sequence[tuple[Case, CheckedContact]],
+    newest: Sequence[CheckedContact],
     options: Options,
     gas: Surroundings,
     speeds: Sequence[float],
     at: str,
     plain: bool,
 ) -> Iterator[str]:
-    """All remarks on contacts and their speeds."""
+    """All remarks on contacts and their speeds. ``newest``: those of the last run, which what is not known concerns."""
     rows = [row for _, row in examined]
     yield from dict.fromkeys(_notes(examined, options.restitution_error, at))
-    yield from _no_speed(options.drive, rows, gas, plain)
+    yield from _no_speed(options.drive, newest, gas, plain)
     yield from _speeds_chosen(rows, speeds, options.drive, plain)
 
 

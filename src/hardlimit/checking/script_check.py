@@ -73,13 +73,17 @@ def checked_script(script: Description, options: Options, frames: Sequence[dumps
     chosen = any(system.at for system in systems)
     final = next(system for system in systems if system.last is last)
     others = " ".join(note.what for note in script.invalidates)
-    grains = held.in_script(final, frames, states, others)
+    runs = [stage for stage in script.stages if stage.system == last.system]
+    grains = held.in_script(final, runs, frames, states, others)
+    elastic = held.bounces(final, others)
     question = held.flowing(final.question, grains, bool(last.gravity))
+    if elastic and grains.name == "gas" and supports and supports[-1].rests and not script.unknown:
+        question = replace(question, driven=answer.BOUNCE)
     final = replace(final, question=replace(question, never_meet=grains.never_meet))
     systems = [final if system.last is last else system for system in systems]
     invalidates = [findings.of_note(note) for note in script.invalidates]
     invalidates += findings.held_together(
-        grains, options, findings.lasting(script.stages, supports, rows, states, chosen)
+        grains, options, findings.lasting(script.stages, supports, rows, states, chosen, elastic)
     )
     unknown = findings.not_understood(script, last, frames, notes, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)

@@ -9,7 +9,7 @@ from ..contact import compression
 from ..support.formatting import digits, length, listed, percent, quantity
 from . import flows
 from .answer import stiffness
-from .at_rest import LAYERS, QUASI_STATIC, RIGID, USUAL_STEP, GrainState
+from .at_rest import LAYERS, QUASI_STATIC, RIGID, THROWN, USUAL_STEP, GrainState
 from .result import Verdict
 
 #: What is known of shaken columns: studies/shaken_column.nc.
@@ -108,9 +108,12 @@ def _drum(state: GrainState, plain: bool) -> str:
         return f"The drum turns with Fr = ω²R/g = {digits(froude, 2)}: {flows.way_of(froude)}"
     if state.centrifuging_radius is None:
         return ""
-    border = state.centrifuging_radius
-    rolls, whirls = (digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in (0.01 * border, border))
-    return f"A drum that turns so is rolling up to R = {rolls} (Fr = ω²R/g = 0.01), centrifuging from {whirls} on (1)"
+    radii = (state.rolling_radius or 0.0, THROWN * state.centrifuging_radius, state.centrifuging_radius)
+    rolls, throws, whirls = (digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in radii)
+    if state.rolling_radius is None:
+        return f"A drum that turns so throws its grains from R = {throws} on (Fr = ω²R/g = 0.1)"
+    rolling = f"A drum that turns so is rolling up to R = {rolls} (Fr = ω²R/g = 0.01)"
+    return f"{rolling}, throws its grains from {throws} on (0.1), centrifuging from {whirls} on (1)"
 
 
 def _speed(state: GrainState, plain: bool) -> str:

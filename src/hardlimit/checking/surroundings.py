@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from . import cases, drive, dumps
-from .contacts import Case, CheckedContact, Surroundings, examine
+from .contacts import AGREEMENT, Case, CheckedContact, Surroundings, examine
 from .expectation import checked_packing_fraction
 from .options import Options
 from .scripts import Stage
@@ -90,11 +90,19 @@ def examined(
             where = replace(where, mean_speed=None if steady is None else steady.speed)
         values = [v * (at_wall if case.second is None else 1.0) for v in at]
         each = examine(case, values or [None], where)
-        if not values and (each[0].duration is None or each[0].restitution is None):
-            each = examine(case, chosen, where) if chosen else each
+        if not values and chosen and (each[0].duration is None or each[0].restitution is None):
+            at_chosen = examine(case, chosen, where)
+            each = at_chosen if _differ(at_chosen) else each
         ratio = None if steady is None else steady.temperature_ratio
         rows += [(case, replace(row, temperature_ratio=ratio)) for row in each]
     return rows
+
+
+def _differ(rows: Sequence[CheckedContact]) -> bool:
+    """Whether a contact at several speeds has more than one ε, or durations and overlaps, which depend on them."""
+    known = [row.restitution for row in rows if row.restitution is not None]
+    same = len(known) == len(rows) and max(known) - min(known) < AGREEMENT
+    return not same or any(row.duration is not None for row in rows)
 
 
 def radii(stage: Stage) -> dict[str, float]:

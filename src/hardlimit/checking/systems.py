@@ -28,6 +28,12 @@ class System:
     inferred: tuple[Inferred, ...] = ()  #: what follows from the script, in its units
 
     @property
+    def newest(self) -> list[CheckedContact]:
+        """The contacts of the last run of which some are known, in the units of the script."""
+        stage = max((row.stage for _, row in self.examined), default=0)
+        return [row for _, row in self.examined if row.stage == stage]
+
+    @property
     def rows(self) -> list[CheckedContact]:
         """The contacts in SI units."""
         return [contact_in_si(case, row, self.last.units) for case, row in self.examined]
@@ -51,14 +57,15 @@ class System:
         """What is not known, in words."""
         if self.question.never_meet:
             return ()
-        rows = [row for _, row in self.examined]
-        return remarks.missing(rows, self.gas, self.speeds, self.options.drive)
+        return remarks.missing(self.newest, self.gas, self.speeds, self.options.drive)
 
     def remarks(self, several: bool) -> Iterator[str]:
         """Remarks on the contacts, which name their units if the script has several."""
         plain = self.last.units == "lj"
         speeds = self.speeds or tuple(number.value for number in self.inferred if number.what == "speed")
-        for note in remarks.on_contacts(self.examined, self.options, self.gas, speeds, self.at, plain):
+        for note in remarks.on_contacts(
+            self.examined, self.newest, self.options, self.gas, speeds, self.at, plain
+        ):
             yield f"In {self.last.units} units: {note}" if several else note
 
     def corrected(

@@ -48,6 +48,7 @@ Example:
 
 CODES = ("lammps", "liggghts", "yade")
 #: A corrected time step without a reason of its own.
+STEP = re.compile(r"timestep|O\.dt = ")
 OWN_STEP = re.compile(r"(timestep|O\.dt = )(?!.*  # (?!\w+ units))")
 #: Options whose names are not those of their arguments.
 OPTIONS = {"variables": "--var", "shear_rate": "--shear"}
@@ -292,6 +293,8 @@ def corrections(verdict: Verdict) -> str:
         return ""
     step = any(OWN_STEP.match(line) for line in verdict.corrected)
     of = f" (time step for an error of ε of {digits(verdict.restitution_error, 2)})" if step else " (for ε)"
+    if all(STEP.match(line) for line in verdict.corrected) and not step:
+        of = ""  # which say what they are for
     return f"Corrected lines{of}:"
 
 
@@ -502,7 +505,7 @@ def lists(verdict: Verdict, verbose: bool) -> str:
             return ", ".join(texts)
         return f"{', '.join(texts[: MAX_FINDINGS - 1])} and {len(texts) - MAX_FINDINGS + 1} more"
 
-    parts = [f"Checked: {whats(verdict.checked)}." if verdict.checked else ""]
+    parts = [f"Checked: {', '.join(finding.what for finding in verdict.checked)}." if verdict.checked else ""]
     if verdict.ignored:
         parts.append(f"Ignored: {whats(verdict.ignored)} (head-on ε stands).")
     if len(verdict.invalidates) > 1:  # the first is in the sentence

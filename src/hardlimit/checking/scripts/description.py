@@ -120,6 +120,7 @@ class Motion:
     amplitude: Direction | None = None  #: of an oscillation along each axis
     frequency: float | None = None  #: angular, of this oscillation
     velocity: float | None = None  #: of a steady motion
+    course: Direction | None = None  #: its components
     turning: Direction | None = None  #: angular velocity of a steady rotation
     radius: float | None = None  #: of a cylinder that turns about its axis
 
@@ -181,6 +182,7 @@ class Stage:
     down: Direction | None = None  #: the direction of gravity; None if not known
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
     pressure: float | None = None  #: that is prescribed: the mean over the axes
+    uniaxial: bool = False  #: whether it is prescribed along one axis alone
     edges: tuple[float | None, ...] = (None, None, None)  #: of the box
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear

@@ -539,7 +539,7 @@ def fallen(height: float, start: float, gravity: float, poured: bool, floor: boo
     source = "the insertion" if not height else "the fall of {height}"
     if height:
         source += " from the insertion region" if poured else " within the box"
-        source += "" if floor else ", at most: to the end of the box"
+        source += "" if floor else " (at most: to the end of the box)"
         source += " and the speed of the insertion" if start else ""
     return Speed(math.hypot(start, math.sqrt(2.0 * gravity * height)), source, height or None)
 

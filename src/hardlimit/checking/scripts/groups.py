@@ -115,15 +115,32 @@ class Groups(Reader):
         return Group(frozenset(kinds), True)
 
     def group_of_atoms(self, words: Sequence[str]) -> Group:
-        """Grains with numbers such as ``1 3`` or ``1:3``; any part of the grains if their types are not known."""
+        """Grains with numbers such as ``1 3``, ``1:3`` or ``> 2``; any part of them if their types are not known."""
+        if words[:1] and words[0] in COMPARISONS:
+            return self.group_of_numbers(words)
         ends = [word.partition(":") for word in words]
         if self.population.elsewhere or not all(
             word.isdecimal() and len(word) < 10 for first, _, last in ends for word in (first, last or first)
         ):
             return Group(None, False)
         ranges = [range(int(first), int(last or first) + 1) for first, _, last in ends]
+        return self.group_where(lambda number: any(number in each for each in ranges))
+
+    def group_of_numbers(self, words: Sequence[str]) -> Group:
+        """Grains whose numbers, from 1 on, compare so."""
+        within, limits = COMPARISONS[words[0]], [int(word) for word in words[1:] if word.isdecimal()]
+        if len(limits) != (2 if words[0] == "<>" else 1):
+            return Group(None, False)
+        if words[0] in (">", ">=") and within(1, limits[0], limits[0]):
+            return Group(None, True)
+        if self.population.elsewhere:
+            return Group(None, False)
+        return self.group_where(lambda number: within(number, limits[0], limits[-1]))
+
+    def group_where(self, belongs: Callable[[int], bool]) -> Group:
+        """Grains by their numbers; any part of them if not all numbers are known."""
         chosen = {
-            kind: [batch.atom is not None and any(batch.atom in r for r in ranges) for batch in batches]
+            kind: [batch.atom is not None and belongs(batch.atom) for batch in batches]
             for kind, batches in self.population.batches.items()
         }
         if any(batch.atom is None for batches in self.population.batches.values() for batch in batches):

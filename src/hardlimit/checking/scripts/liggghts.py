@@ -350,6 +350,9 @@ class Liggghts(State):
         for contact in contacts:
             for what in liggghts_friction.remarks(contact):
                 self.warn(what, contact)
+        for what, same in liggghts_friction.rolling_remarks(contacts):
+            for contact in same:
+                self.warn(what, contact)
 
     def inertia_factor(self, kind: int) -> float:
         """Disks in two dimensions; infinite if only fixes that leave spins alone move the grains."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 
 from ...convert.tangential import Tangential
@@ -87,10 +88,9 @@ STEPS_DECIDE: Final = (
 
 
 def remarks(contact: ContactSettings) -> Iterator[str]:
-    """What the friction of a contact really does."""
+    """What the sliding friction of a contact really does."""
     if contact.friction != 0.0 and word(contact.settings, "tangential") in KNOWN[1:]:
         yield from _of_sliding(contact)
-    yield from _of_rolling(contact.settings)
 
 
 def _of_sliding(contact: ContactSettings) -> Iterator[str]:
@@ -135,13 +135,32 @@ def _is_damped(contact: ContactSettings) -> bool:
     return not _normal_is_undamped(contact.settings)
 
 
-def _of_rolling(settings: Settings) -> Iterator[str]:
-    """The angular impulse of rolling resistance in one collision; cdt and the limit of epsd2 agree with runs."""
+def rolling_remarks(contacts: Iterable[ContactSettings]) -> Iterator[tuple[str, list[ContactSettings]]]:
+    """What rolling resistance does, with the contacts that differ in its coefficient at most."""
+    groups: dict[str, list[ContactSettings]] = {}
+    for contact in contacts:
+        groups.setdefault(_of_rolling(contact.settings, "{}"), []).append(contact)
+    for text, same in groups.items():
+        values = sorted({word(contact.settings, ROLLING_PROPERTIES[0], "") for contact in same}, key=_value)
+        most = " or ".join(f"{float(value):g}" if value else "μ_r" for value in values)
+        if text:
+            yield text.format(most), same
+
+
+def _value(word: str) -> float:
+    return float(word) if word else math.inf
+
+
+def _of_rolling(settings: Settings, most: str) -> str:
+    """The angular impulse of rolling resistance in one collision; cdt and the limit of epsd2 agree with runs.
+
+    ``most``: its coefficient, in words. Empty without such a resistance.
+    """
     kind = word(settings, "rolling_friction")
     coefficient, damping = (word(settings, name, "") for name in ROLLING_PROPERTIES)
     if kind not in ROLLING[1:] or (coefficient and float(coefficient) == 0.0):
-        return
-    most = f"{float(coefficient):g} R_eff J_n" if coefficient else "μ_r R_eff J_n"
+        return ""
+    most = f"{most} R_eff J_n"
     about = "" if word(settings, "torsionTorque") == "on" else " across the normal"
     impulse = f"an angular impulse of {'' if kind == 'cdt' else 'up to '}{most} against ω_i − ω_j{about}"
     ends = ["and at most what stops it"] if kind == "cdt" else []
@@ -150,4 +169,4 @@ def _of_rolling(settings: Settings) -> Iterator[str]:
     elif kind != "cdt" and not (damping and float(damping) == 0.0):
         ends = ["and more by its dashpot, which has no limit"]
     words = [f"rolling_friction {kind}: a collision with the normal impulse J_n adds {impulse}", *ends]
-    yield f"{', '.join(words)}; β leaves it out"
+    return f"{', '.join(words)}; β leaves it out"

@@ -106,6 +106,12 @@ def pressure(state: State) -> float | None:
     return mean if mean > 0.0 and math.isfinite(mean) else None
 
 
+def uniaxial(state: State) -> bool:
+    """Whether servos press along one axis alone; walls or periodic sides then carry what they must."""
+    servos = [_pressed_by_servo(state, *pair) for pair in state.fixes.items() if _is_servo(pair[1])]
+    return len({axis for axis, _ in servos}) == 1
+
+
 def _pressures(state: State, fix: Fix) -> list[float | None]:
     """The pressures at the end that ``fix deform`` or a barostat prescribes."""
     words = fix.words
@@ -366,7 +372,9 @@ def steady(state: State, words: Sequence[str]) -> Motion:
     """A steady motion with the components of its velocity, which need not be known."""
     parts = [0.0 if word == "NULL" else state.coefficient(word) for word in words]
     known = [part for part in parts if part is not None]
-    return replace(STEADY, velocity=math.hypot(*known)) if known and len(known) == len(parts) else STEADY
+    if not known or len(known) < len(parts):
+        return STEADY
+    return replace(STEADY, velocity=math.hypot(*known), course=tuple(known) if len(known) == 3 else None)
 
 
 def by_variables(state: State, words: Sequence[str]) -> Motion | None:
@@ -456,9 +464,18 @@ def of_mesh(state: State, name: str) -> Motion | None:
 
 
 def strongest(motions: Sequence[Motion | None], down: Direction | None = None) -> Motion | None:
-    """An unknown motion, or that of the greatest acceleration along gravity, then along any direction."""
-    moving = [motion for motion in motions if motion is not None]
-    return max(moving, key=lambda motion: (acceleration(motion, down), acceleration(motion)), default=None)
+    """An unknown motion, or that of the greatest acceleration along gravity, then along any direction; of steady ones
+    that which sinks fastest."""
+
+    def order(motion: Motion) -> tuple[float, float, float]:
+        return acceleration(motion, down), acceleration(motion), sinking(motion, down)
+
+    return max((motion for motion in motions if motion is not None), key=order, default=None)
+
+
+def sinking(motion: Motion, down: Direction | None) -> float:
+    """The component of a steady motion along gravity; 0 if it is not known."""
+    return sum(v * g for v, g in zip(motion.course or (), down or (), strict=False))
 
 
 def acceleration(motion: Motion, down: Direction | None = None) -> float:

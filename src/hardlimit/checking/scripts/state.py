@@ -520,6 +520,7 @@ class State(Groups):
             down=gravity.down(self),
             pressed=pressed,
             pressure=motion.pressure(self),
+            uniaxial=motion.uniaxial(self),
             edges=tuple(self.edges.get(axis) for axis in motion.AXES),
             driven=driven,
             shear_rate=shear_rate,

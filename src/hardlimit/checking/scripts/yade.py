@@ -206,7 +206,9 @@ class Yade(Evaluator):
                 self.not_understood(node, name)
         elif name == "blockedDOFs" and isinstance(value, str) and not fixes(value):
             scene.locked = scene.locked if turns(value) else self.quoted(node)
+            scene.planar |= is_planar(value)
         elif name in CHANGING:
+            scene.weighed |= name == "mass"
             self.not_understood(node, name)
         super().assigned(owner, name, value, node)
 
@@ -274,9 +276,11 @@ class Yade(Evaluator):
         elif name == "blockedDOFs" and isinstance(value, str):
             body.frozen = fixes(value)
             body.locked = None if turns(value) else self.quoted(node)
+            body.planar = is_planar(value)
         elif name in ("mat", "material") and isinstance(value, Instance):
             body.material = self.scene.index(value)
         else:
+            body.weighed |= name == "mass"
             return False
         return True
 
@@ -436,7 +440,7 @@ def wave_time(scene: Scene, rayleigh: bool) -> float | None:
             young, poisson, density = (
                 scene.number(material, name) for name in ("young", "poisson", "density")
             )
-            if body.radii is None:
+            if body.radii is None or body.weighed:
                 return None
             if rayleigh:
                 shear = young / (2.0 * (1.0 + poisson))
@@ -444,7 +448,7 @@ def wave_time(scene: Scene, rayleigh: bool) -> float | None:
             else:
                 time = body.radii[0] * math.sqrt(density / young)
             times.append(time)
-    if scene.elsewhere or (rayleigh and not times):
+    if scene.elsewhere or scene.weighed or scene.growing or (rayleigh and not times):
         return None
     return min(times, default=1.0)  # YADE's value before there are spheres
 
@@ -452,6 +456,11 @@ def wave_time(scene: Scene, rayleigh: bool) -> float | None:
 def fixes(degrees: str) -> bool:
     """Whether a body cannot move with these blocked degrees of freedom."""
     return set("xyz") <= set(degrees)
+
+
+def is_planar(degrees: str) -> bool:
+    """Whether a body moves in a plane with these blocked degrees of freedom."""
+    return len(set("xyz") & set(degrees)) == 1
 
 
 def turns(degrees: str) -> bool:

@@ -21,6 +21,7 @@ from .yade_filling import (
     TEXTS,
     cloud,
     ends_of,
+    is_overfull,
     lot_of,
     mean_radius,
     obstacle,
@@ -328,7 +329,7 @@ def cloud_radii(instance: Instance) -> Range | None:
     if sizes:
         return None  # YADE may scale the sizes down
     mean, fuzz = mean_radius(instance), instance.argument(3, "rRelFuzz", 0.0)
-    return None if mean is None else union([fuzzy(end, fuzz) for end in mean])
+    return None if mean is None or is_overfull(instance) else union([fuzzy(end, fuzz) for end in mean])
 
 
 def drawn(value: Any) -> Range | None:

@@ -25,6 +25,8 @@ DENSITIES: Final = {
 }
 #: Porosity of ``makeCloud`` by default, and from which on it makes no spheres smaller.
 POROSITY, LOOSE = 0.65, 0.75
+#: Packing fraction that no spheres have that are put down at random without overlaps.
+OVERFULL: Final = 0.5
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
 TEXTS: Final = ("text", "textExt")
 
@@ -150,7 +152,20 @@ def cloud(filling: YadeFilling, pack: Instance, instance: Instance) -> float | N
         if instance.argument(5, "periodic", False) in (True, 1):
             pack.attributes["cell"] = tuple(b - a for a, b in zip(*corners, strict=True))
     number = instance.argument(4, "num", -1)
-    return float(number) if is_number(number) and number > 0 else None
+    return float(number) if is_number(number) and number > 0 and not is_overfull(instance) else None
+
+
+def is_overfull(instance: Instance) -> bool:
+    """Whether the spheres that ``makeCloud`` is asked for find no place: YADE then makes the largest ones alone."""
+    mean, number = instance.argument(2, "rMean", -1), instance.argument(4, "num", -1)
+    fuzz, (low, high) = instance.argument(3, "rRelFuzz", 0.0), corners_of(instance)
+    if low is None or high is None or "hSize" in instance.attributes:
+        return False
+    if not (is_number(mean) and is_number(number) and is_number(fuzz) and mean > 0.0):
+        return False
+    volume = abs(math.prod(b - a for a, b in zip(low, high, strict=True)))
+    filled = float(number) * 4.0 / 3.0 * math.pi * float(mean) ** 3 * (1.0 + float(fuzz) ** 2)
+    return 0.0 < volume * OVERFULL < filled
 
 
 def mean_radius(instance: Instance) -> Range | None:

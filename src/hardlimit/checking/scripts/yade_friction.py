@@ -163,20 +163,20 @@ def warnings(contact: Contact, tangential: Tangential | None) -> Iterator[Note]:
     if (et := numbers.get("et")) is not None:
         source = functor if "et" in contact.functor.attributes else material
         halved = types[1] == WALL and contact.kind != "boxes"
-        yield Note(of_half_mass(contact.kind, et) if halved else of_et(et), types, source)
+        if halved or et > 0.0:
+            yield Note(of_half_mass(contact.kind) if halved else OF_ET, types, source)
     yield from (Note(text, types, functor) for text in of_rolling(contact))
 
 
-def of_et(et: float) -> str:
-    """What ``et`` is."""
-    return f"et = {et:g} reverses the velocity of the surfaces: β = +{et:g} in a contact of duration tc without slip"
+#: What ``et`` is, in one line for all pairs.
+OF_ET: Final = "et reverses the velocity of the surfaces: β = +et in a contact of duration tc without slip"
 
 
-def of_half_mass(kind: str, et: float) -> str:
+def of_half_mass(kind: str) -> str:
     """What ``et`` is at a body without mass."""
     return (
         f"at {kind}, YADE computes kn, cn, ks and cs with half the mass of the sphere: a contact lasts √2 tc, and"
-        f" neither is ε = en, nor β = et = {et:g}"
+        " neither is ε = en, nor β = et"
     )
 
 

@@ -155,13 +155,18 @@ def missing_engines(scene: Scene) -> None:
             scene.unknown[scene.quote(quote.line, f"no {part} in {quote.text}")] = None
 
 
+ON_SPINS: Final = "acts on spins as well, along each axis"
+
+
 def damping_note(scene: Scene, stage: Stage) -> None:
     """What the damping of the integrator does to friction."""
     damping = stage.numerical_damping
     if damping and any(contact.friction != 0.0 for contact in stage.contacts):
         integrators = scene.used("NewtonIntegrator")
         quote = scene.at(integrators[-1]) if integrators else None
-        what = f"the damping {damping:g} of NewtonIntegrator acts on spins as well, along each axis"
+        what = f"the damping {damping:g} of NewtonIntegrator {ON_SPINS}"
+        for note in [note for note in scene.warnings if ON_SPINS in note.what]:
+            del scene.warnings[note]  # of a run before
         scene.warnings[Note(f"{what}: β is without it", None, quote)] = None
 
 

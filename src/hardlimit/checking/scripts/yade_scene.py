@@ -41,6 +41,8 @@ class Body:
     mass: float | None = None  #: of a box; None for other bodies, and if it is not known
     several: bool = False  #: whether there may be more than one
     locked: Quote | None = None  #: what keeps it from turning as a free or a fixed sphere does
+    planar: bool = False  #: whether it moves in a plane only
+    weighed: bool = False  #: whether its mass is set, and is not that of its material
     lot: Lot = UNCOUNTED  #: of spheres: how many, and the sums of their radii
     ends: Ends | None = None  #: of spheres: between which they are made
 
@@ -67,6 +69,9 @@ class Scene(Reader):
     time_step_given: bool = False
     strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
     locked: Quote | None = None  #: what locks bodies of which it is not known which ones they are
+    planar: bool = False  #: whether bodies move in a plane only of which it is not known which ones they are
+    weighed: bool = False  #: whether masses are set of such bodies
+    growing: bool = False  #: whether a controller has made the spheres larger
     system: int = 0  #: number of the scene
     changed: bool = True  #: whether anything may have changed since the last run
     saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
@@ -105,6 +110,7 @@ class Scene(Reader):
         self.bodies, self.numbered, self.filling = [], 0, YadeFilling()
         self.engines, self.engines_given, self.engines_quote = [], True, None
         self.elsewhere, self.time_step, self.time_step_given = False, None, False
+        self.planar, self.weighed, self.growing = False, False, False
 
     def save(self) -> None:
         self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
@@ -232,7 +238,9 @@ class Scene(Reader):
         counted = self.materials[k].name == "ViscElMat" and any(
             functor.name == OF_VISCOELASTIC for functor in self.used("Ip2_")
         )
-        densities = None if density is None else (density, density)
+        weighed = self.weighed or any(sphere.weighed for sphere in spheres)
+        densities = None if density is None or weighed else (density, density)
+        radii = None if self.growing and not frozen else radii
         return Grains(self.name(k), radii, densities, None, frozen, counted)
 
 

@@ -38,6 +38,10 @@ PRESSURES: Final = {
     "PeriIsoCompressor": (("stresses",), 0),
     "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
 }
+#: Those with a bit of ``stressMask`` for each axis.
+BY_AXIS: Final = ("PeriTriaxController", "Peri3dController", "TriaxialStressController")
+#: Those that make spheres larger unless ``internalCompaction`` is off.
+GROWING: Final = ("TriaxialStressController", "TriaxialCompressionEngine")
 #: Those that move walls or grains steadily.
 STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
 #: Those that may leave a bed under its own weight, and the cosine up to which they move across gravity.
@@ -91,6 +95,7 @@ def add_stage(scene: Scene, script: Evaluator, quote: Quote, steps: int | None) 
 
 def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
     """What holds now, without the contents of the cell."""
+    scene.growing |= grows(scene)
     pressed, driven, shear_rate = driving(scene)
     step, contacts = time_step(scene), Contacts(scene)
     settings = [*contacts.settings()]
@@ -108,6 +113,7 @@ def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
         down=down,
         pressed=pressed,
         pressure=pressure(scene),
+        uniaxial=uniaxial(scene),
         driven=driven,
         shear_rate=shear_rate,
         system=scene.system,
@@ -224,11 +230,23 @@ def driving(scene: Scene) -> tuple[tuple[Note, ...], tuple[Note, ...], float | N
     return pressed, (), sheared[0] if sheared else None
 
 
+def grows(scene: Scene) -> bool:
+    """Whether a controller makes the spheres larger until they are under its pressure."""
+    engines = [engine for name in GROWING for engine in scene.used(name) if is_active(engine)]
+    growing = [
+        engine for engine in engines if engine.attributes.get("internalCompaction", True) not in (False, 0)
+    ]
+    for engine in growing:
+        scene.ignore("radii that grow (internalCompaction)", scene.at(engine))
+    return bool(growing)
+
+
 def pressure(scene: Scene) -> float | None:
     """The pressure that a controller prescribes; None if there is none or several, or if it is not known."""
     engines = [engine for engine in scene.used("") if engine.name in PRESSURES]
     engines = [engine for engine in engines if is_active(engine)] or engines
-    if len(engines) != 1:
+    planar = scene.planar or any(sphere.planar for sphere in scene.spheres())
+    if len(engines) != 1 or planar:  # one layer of spheres carries what the script has over the whole cell
         return None
     engine = engines[0]
     names, mask = PRESSURES[engine.name]
@@ -245,6 +263,13 @@ def pressure(scene: Scene) -> float | None:
     if not values or not are_numbers(values) or any(isinstance(x, bool) for x in values):
         return None
     return abs(math.fsum(values)) / len(values) or None
+
+
+def uniaxial(scene: Scene) -> bool:
+    """Whether a controller prescribes one of three stresses."""
+    engines = [engine for engine in scene.used("") if engine.name in BY_AXIS and is_active(engine)]
+    masks = [engine.attributes.get("stressMask", PRESSURES[engine.name][1]) for engine in engines]
+    return bool(masks) and all(mask in (1, 2, 4) for mask in masks)
 
 
 def motion(scene: Scene, down: Direction | None) -> Motion | None:
