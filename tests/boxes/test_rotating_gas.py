@@ -572,9 +572,9 @@ def test_smooth_sheared_spheres_have_a_known_temperature(
     measured (studies/sheared_gas.nc)."""
     gas = theory.Gas(1, 0.5, 1.0, math.pi / 6.0 / phi, 3)
     smooth = gas.rotating(epsilon, 0.0, 0.0).sheared_temperature(2.0)
-    found = smooth / gas.sheared_temperature(2.0, epsilon)
-    assert found == pytest.approx(ratio, abs=0.006)
-    assert measured is None or abs(found - measured) <= abs(1.0 - measured) + 0.002
+    computed = smooth / gas.sheared_temperature(2.0, epsilon)
+    assert computed == pytest.approx(ratio, abs=0.006)
+    assert measured is None or abs(computed - measured) <= abs(1.0 - measured) + 0.002
     assert gas.rotating(epsilon, 1e-9, 0.5).sheared_temperature(2.0) == pytest.approx(smooth, rel=1e-6)
     assert gas.rotating(epsilon, 0.5, 0.5).sheared_temperature(2.0) < 0.85 * smooth
 
