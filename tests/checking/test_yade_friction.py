@@ -1,7 +1,7 @@
 """β by the friction that is read from a script of YADE, against that recorded in YADE at random angles of impact."""
 
 import csv
-import importlib.util
+import importlib
 import math
 import random
 import shutil
@@ -176,10 +176,9 @@ O.engines = [
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("yade") is None, reason="requires YADE")
 @pytest.mark.parametrize("seed", range(2))
-def test_random_scripts_in_yade(seed):
-    tool = importlib.util.spec_from_file_location("tool", HERE.parents[1] / "tools/verify_yade_friction.py")
-    verify = importlib.util.module_from_spec(tool)
-    tool.loader.exec_module(verify)
+def test_random_scripts_in_yade(seed, monkeypatch):
+    monkeypatch.syspath_prepend(HERE.parents[1] / "tools")
+    verify = importlib.import_module("verify_yade_friction")
     script = random_script(random.Random(seed))
     duration = normal_force(script)[2].collision(script["speed"]).duration
     step = float(f"{duration / 2e4:.2g}")
