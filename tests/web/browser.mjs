@@ -9,7 +9,7 @@ import { join } from "node:path";
 import { firefox } from "playwright-core";
 import { launch } from "../../web/chromium.mjs";
 
-const patience = 120_000; // longest wait for a state of the page [ms]
+const patience = 300_000; // longest wait for a state of the page [ms]
 const axe = readFileSync(new URL("./node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 
 function answerLate(most) {
