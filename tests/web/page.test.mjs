@@ -244,6 +244,16 @@ test("an answer leaves what is being typed, and a refused entry", async (t) => {
   await answer("restitution");
   assert.equal(await page.getAttribute("#restitution-value", "aria-invalid"), null);
   assert.notEqual(await page.inputValue("#restitution-value"), "nonsense");
+  // Typed again before the answer to the last entry.
+  await page.evaluate(() => {
+    const field = document.getElementById("restitution-value");
+    field.value = "0.8";
+    field.dispatchEvent(new Event("change"));
+    field.focus();
+    field.value = "0.9";
+  });
+  await settled(page);
+  assert.equal(await page.inputValue("#restitution-value"), "0.9");
 });
 
 test("a slider follows the mouse to where it is let go, on an example too", async (t) => {
