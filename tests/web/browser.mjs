@@ -15,13 +15,15 @@ const axe = readFileSync(new URL("./node_modules/axe-core/axe.min.js", import.me
 function answerLate(most) {
   window.Worker = class extends Worker {
     last = 0;
+    events = []; // timers less than a millisecond apart may change places
     get onmessage() {
       return super.onmessage;
     }
     set onmessage(receive) {
       super.onmessage = (event) => {
         this.last = Math.max(this.last, performance.now() + Math.random() * most);
-        setTimeout(() => receive.call(this, event), this.last - performance.now());
+        this.events.push(event);
+        setTimeout(() => receive.call(this, this.events.shift()), this.last - performance.now());
       };
     }
   };
