@@ -9,9 +9,12 @@
 //   its contact with the body below, common ones first
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 // A visitor waits for the module: code that does not run for each point of a map is compiled for size.
@@ -69,6 +72,26 @@ int restitution_parameter(const hl::LawRecord& law, int alternative) {
 }
 int alternative() { return static_cast<int>(request[1]); }
 
+// Contact j of a column. The last ones are kept: those of the viscoelastic law take longer than the rest of a point of a
+// map, and along an axis of the map they are the same.
+template <class Law>
+const Law& contact_of(int j, const double* parameters, const hl::PairGeometry& pair) {
+    using Inputs = std::array<double, 3 + hl::max_parameters>;
+    struct Known {
+        Inputs inputs;
+        std::optional<Law> law;
+    };
+    // The linker of WebAssembly would run a destructor after each call from outside.
+    static_assert(std::is_trivially_destructible_v<Known>);
+    static Known known[most_balls];
+    Inputs inputs{static_cast<double>(alternative()), pair.effective_mass, pair.effective_radius};
+    std::copy_n(parameters, hl::max_parameters, inputs.begin() + 3);
+    Known& k = known[j];
+    if (!k.law || std::memcmp(&k.inputs, &inputs, sizeof inputs) != 0)
+        k = {inputs, Law::from_parameters(alternative(), parameters, pair)};
+    return *k.law;
+}
+
 // Sets the contacts of a column. `restitution` replaces that of the request unless it is NaN.
 template <class Law>
 void set_contacts(col::Column<Law>& c, double restitution = hl::math::nan) {
@@ -81,7 +104,7 @@ void set_contacts(col::Column<Law>& c, double restitution = hl::math::nan) {
         std::copy_n(parameters_of(j), hl::max_parameters, parameters);
         if (!hl::math::is_nan(restitution))
             parameters[restitution_parameter(Law::record, alternative())] = restitution;
-        c.contacts.push_back(Law::from_parameters(alternative(), parameters, pair));
+        c.contacts.push_back(contact_of<Law>(j, parameters, pair));
     }
 }
 

@@ -1,7 +1,21 @@
 // The pages without their server, and on paper.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { forget, goTo, mapDone, shoot, Site, solved, visit } from "./browser.mjs";
+import {
+  address,
+  answerInPart,
+  forget,
+  frames,
+  goTo,
+  mapDone,
+  newMap,
+  resize,
+  rest,
+  shoot,
+  Site,
+  solved,
+  visit,
+} from "./browser.mjs";
 import { long } from "./scenarios.mjs";
 
 let site;
@@ -18,23 +32,22 @@ async function offline(page) {
 
 test("the laboratory works without network once it is loaded", async (t) => {
   const page = await site.open(t, "", { maps: true });
-  await page.waitForSelector("#map[data-resolution]");
+  await mapDone(page); // by now it has loaded all that it needs
   const requests = await offline(page);
-  await page.selectOption("#map-axis", "ratio");
-  await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
-  await page.waitForSelector("#map[data-resolution]");
+  await newMap(page, () => page.selectOption("#map-axis", "ratio"));
   for (const value of ["300", "700"]) {
     await forget(page);
     await page.evaluate(
       (value) => Object.assign(document.getElementById("restitution"), { value }).dispatchEvent(new Event("input")),
       value,
     );
-    await solved(page);
+    await rest(page);
   }
   await page.selectOption("#rebound-axis", "e");
   await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
   // A long computation is cancelled; its worker is replaced.
   await page.waitForSelector("#busy", { state: "hidden" }); // of the settings before
+  await answerInPart(page);
   await goTo(page, long);
   await page.waitForSelector("#busy:not([hidden])");
   await page.click("#give-up");
@@ -42,14 +55,18 @@ test("the laboratory works without network once it is loaded", async (t) => {
   await page.evaluate(() =>
     Object.assign(document.getElementById("restitution"), { value: "600" }).dispatchEvent(new Event("input")),
   );
-  await solved(page);
+  await rest(page);
   await page.click("#open-story");
   await page.waitForFunction(() => document.documentElement.dataset.mode === "story");
   assert.deepEqual(requests, []);
 });
 
 test("the gas works without network once it is loaded", async (t) => {
-  const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0);
+  // Both workers run.
+  const ready = (page) =>
+    page.waitForFunction(
+      () => window.hardlimit?.report()?.samples.length > 0 && Number(document.documentElement.dataset.starts) > 0,
+    );
   const page = await site.open(t, "gas.html?n=150", { ready });
   const requests = await offline(page);
   await page.click("#example-collapse");
@@ -91,7 +108,7 @@ const atRest = (page) =>
       return done;
     },
     null,
-    { polling: 1000, timeout: 60_000 },
+    { polling: 1000 },
   );
 
 const pages = [
@@ -100,12 +117,10 @@ const pages = [
   [
     "gas",
     "gas.html?n=150&t=0.01",
-    (page) =>
-      page.waitForFunction(
-        () =>
-          document.documentElement.dataset.run &&
-          document.documentElement.dataset.settled === document.documentElement.dataset.run,
-      ),
+    async (page) => {
+      await page.waitForSelector("html[data-settled]");
+      await frames(page);
+    },
   ],
 ];
 for (const [name, query, ready] of pages.slice(1))
@@ -197,7 +212,7 @@ test("in a low window the laboratory shows first the film and a slider", async (
     [844, 390],
     [640, 360],
   ]) {
-    await page.setViewportSize({ width, height });
+    await resize(page, width, height);
     const bottoms = await page.evaluate(() =>
       ["stage", "play", "restitution"].map((id) => document.getElementById(id).getBoundingClientRect().bottom),
     );
@@ -222,7 +237,7 @@ test("tables, sliders and buttons fit into their panels", async (t) => {
     await visit(page, query);
     for (const size of windows) {
       const [width, height] = size.split("×").map(Number);
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       const over = await page.$$eval(".panel :is(table, .track, button, select)", (list) =>
         list
           .filter(
@@ -239,30 +254,27 @@ test("tables, sliders and buttons fit into their panels", async (t) => {
 
 test("story: what the reader has not come to is printed too, each drawing in its place", async (t) => {
   const page = await site.open(t, "?page=story", { maps: true, colorScheme: "dark" });
-  const printed = (page) =>
-    page.evaluate(() => {
-      dispatchEvent(new Event("beforeprint"));
-      const { ms } = document.getElementById("map").dataset;
-      const done = [
-        ms !== undefined,
-        document.getElementById("timeline").dataset.computed,
-        document.getElementById("rebound").dataset.done,
-      ].join();
-      dispatchEvent(new Event("afterprint"));
-      return done;
-    });
+  const printed = () => {
+    dispatchEvent(new Event("beforeprint"));
+    const { ms } = document.getElementById("map").dataset;
+    const done = [
+      ms !== undefined,
+      document.getElementById("timeline").dataset.computed,
+      document.getElementById("rebound").dataset.done,
+    ].join();
+    dispatchEvent(new Event("afterprint"));
+    return done === "true,true,true";
+  };
   await page.waitForFunction(
-    () => /^Above the line|^At the/.test(document.querySelectorAll('[data-step="map"] .text')[1].textContent),
-    null,
-    { timeout: 120_000 },
+    () =>
+      /^Above the line|^At the/.test(document.querySelectorAll('[data-step="map"] .text')[1].textContent) &&
+      /are back\. Let go touching, the tennis ball reaches/.test(
+        document.querySelector('[data-step="gap"] .text').textContent,
+      ),
   );
-  assert.match(
-    await page.textContent('[data-step="gap"] .text'),
-    /are back\. Let go touching, the tennis ball reaches/,
-  );
-  for (let k = 0; k < 60 && (await printed(page)) !== "true,true,true"; k++) await page.waitForTimeout(500);
-  assert.equal(await printed(page), "true,true,true");
-  assert.ok(!/show=|zoom=/.test(page.url()), page.url());
+  await page.waitForFunction(printed, null, { polling: 500 });
+  const { search } = await address(page);
+  assert.ok(!/show=|zoom=/.test(search), search);
   await page.emulateMedia({ media: "print" });
   await page.waitForFunction(() => document.documentElement.dataset.theme === "light");
   assert.deepEqual(

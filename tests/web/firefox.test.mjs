@@ -2,7 +2,7 @@
 // FIREFOX: the browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { accessible, colours, mapDone, rest, shoot, Site, visit } from "./browser.mjs";
+import { accessible, drawn, linked, mapDone, mapDrawn, rest, settled, shoot, Site, visit } from "./browser.mjs";
 import { random, randomLink } from "./modules.mjs";
 
 let firefox;
@@ -49,16 +49,11 @@ test("the story is scrolled with the keys, and its pictures are drawn", async (t
       (step) => document.querySelector(`.chapter[data-step="${step}"] .text`).textContent !== "",
       step,
     );
-    if (step === "gap")
-      await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, {
-        timeout: 120_000,
-      });
+    if (step === "gap") await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
     if (step === "map") await mapDone(page);
-    await page.waitForTimeout(200);
     for (const id of await page.$$eval(`.chapter[data-step="${step}"] canvas`, (list) => list.map((x) => x.id))) {
       await page.locator(`#${id}`).scrollIntoViewIfNeeded();
-      await page.waitForTimeout(100);
-      assert.ok((await colours(page, id)) > 10, `${step}: ${id} is drawn`);
+      await drawn(page, id, 10);
     }
     await shoot(page, `firefox-${step}`);
   }
@@ -85,21 +80,23 @@ test("controls, keys and map; the link gives the same page again", async (t) => 
   await page.keyboard.press("ArrowRight");
   await page.selectOption("#map-axis", "ratio");
   await page.selectOption("#map-show", "effective");
+  await settled(page);
   await page.focus("#forces");
+  await drawn(page, "forces");
   await page.keyboard.press("ArrowRight");
   await page.focus("#map");
-  await page.waitForFunction(() => document.getElementById("map").dataset.resolution); // drawn
+  await mapDrawn(page);
   await page.keyboard.press("+");
   await page.waitForFunction(() =>
     ["gap", "e", "map", "show", "zoom", "t"].every((key) => new URLSearchParams(location.search).has(key)),
   );
-  await rest(page);
+  const link = await linked(page);
   const look = (p) =>
     p.evaluate(() => [
       document.documentElement.dataset.numbers,
       ...["time", "verdict", "why", "map-reading"].map((id) => document.getElementById(id).textContent),
     ]);
-  const second = await firefox.open(t, new URL(page.url()).search, { maps: true });
+  const second = await firefox.open(t, link.search, { maps: true });
   await rest(second);
   await mapDone(page);
   await mapDone(second);

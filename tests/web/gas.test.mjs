@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readdirSync, statSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { accessible, colours, download, shoot, Site } from "./browser.mjs";
+import { accessible, address, colours, download, frames, resize, sees, shoot, Site } from "./browser.mjs";
 import { agrees, Python } from "./gas.mjs";
 
 let site;
@@ -15,17 +15,15 @@ after(async () => {
   await Promise.all([site?.end(), firefox?.end()]);
 });
 
-const ready = (page) =>
-  page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0, null, { timeout: 60_000 });
+const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 0);
 const open = (t, query = "", options = {}, from = site) => from.open(t, `gas.html${query}`, { ready, ...options });
-// Waits for a film that is paused, at the time of its link or later.
-const settled = (page) =>
-  page.waitForFunction(() => document.documentElement.dataset.settled === document.documentElement.dataset.run, null, {
-    timeout: 60_000,
-  });
+// Waits for a film that is paused, drawn at the time of its link or later.
+async function settled(page) {
+  await frames(page);
+  await page.waitForSelector("html[data-settled]");
+}
 // Waits until this many starts have run.
-const started = (page, n) =>
-  page.waitForFunction((n) => Number(document.documentElement.dataset.starts) >= n, n, { timeout: 60_000 });
+const started = (page, n) => page.waitForFunction((n) => Number(document.documentElement.dataset.starts) >= n, n);
 const report = (page) => page.evaluate(() => window.hardlimit.report());
 const moving = { reducedMotion: "no-preference" };
 
@@ -54,7 +52,6 @@ for (const engine of ["Chromium", "Firefox"])
       await page.waitForFunction(
         (t) => window.hardlimit.report()?.time >= t || window.hardlimit.report()?.done,
         Number(new URLSearchParams(query).get("t")),
-        { timeout: 60_000 },
       );
       await settled(page);
       await started(page, 8);
@@ -82,40 +79,43 @@ test("it opens playing; pause, step, again and keys", async (t) => {
   assert.equal(await page.textContent("#play"), "Pause");
   await page.click("#play");
   const stopped = async () => {
-    await page.waitForTimeout(100 + Number(process.env.LATE ?? 0));
+    await settled(page);
     return (await report(page)).time;
   };
   const before = await stopped();
+  await frames(page, 10);
   assert.equal(await stopped(), before);
   await page.click("#step");
   const after = await stopped();
   assert.ok(after > before);
-  assert.equal(new URL(page.url()).searchParams.has("t"), true);
+  assert.equal((await address(page)).searchParams.has("t"), true);
   await page.keyboard.press("."); // the button still has the focus
   assert.ok((await stopped()) > after);
-  await page.keyboard.press("R");
-  await page.waitForFunction((after) => window.hardlimit.report()?.time < after, after);
-  assert.equal(await page.textContent("#play"), "Pause");
+  const again = (after) =>
+    window.hardlimit.report()?.time < after && document.getElementById("play").textContent === "Pause";
+  await sees(page, again, after, () => page.keyboard.press("R"));
   await page.evaluate(() => document.activeElement.blur());
   await page.keyboard.press(" ");
   assert.equal(await page.textContent("#play"), "Play");
 });
 
 test("a link keeps the time at which the film stands still", async (t) => {
-  const time = (page) => Number(new URL(page.url()).searchParams.get("t"));
+  const time = async (page) => Number((await address(page)).searchParams.get("t"));
   const page = await open(t, "?n=100&phi=0.3&t=0.01&speed=4", moving);
   await settled(page);
-  assert.deepEqual([time(page), (await report(page)).time], [0.01, 0.01]);
+  assert.deepEqual([await time(page), (await report(page)).time], [0.01, 0.01]);
   await page.click("#step");
-  await page.waitForFunction(() => window.hardlimit.report().time > 0.01);
-  assert.equal(time(page), (await report(page)).time);
+  await settled(page);
+  const next = await time(page);
+  assert.ok(next > 0.01);
+  assert.equal(next, (await report(page)).time);
   await page.click("#play");
   await page.waitForFunction(() => window.hardlimit.report().time > 0.02);
   await page.click("#play");
-  await page.waitForTimeout(300);
+  await settled(page);
   const { time: last, samples } = await report(page);
-  assert.equal(time(page), last);
-  const other = await open(t, new URL(page.url()).search, moving);
+  assert.equal(await time(page), last);
+  const other = await open(t, (await address(page)).search, moving);
   await settled(other);
   const again = await report(other);
   assert.equal(again.time, last);
@@ -131,10 +131,14 @@ test("a film that stands at its start does so again", async (t) => {
 test("it plays after a change; the starts are those of the link", async (t) => {
   const page = await open(t, "?n=100&phi=0.3&t=0.001", moving);
   await settled(page);
+  const before = (await report(page)).setting.restitution;
   await page.focus("#restitution");
   await page.keyboard.press("ArrowLeft");
   await page.waitForFunction(() => document.getElementById("play").textContent === "Pause");
-  await page.waitForFunction(() => window.hardlimit.report()?.samples.length > 5);
+  await page.waitForFunction(
+    (before) => window.hardlimit.report()?.setting.restitution < before && window.hardlimit.report().samples.length > 5,
+    before,
+  );
   await started(page, 8);
   const { starts, setting } = await report(page);
   assert.deepEqual(
@@ -208,12 +212,13 @@ test("controls change the setting, and the link gives the same page again", asyn
     },
   );
   assert.ok(setting.tcNu > 0.1 && setting.tcNu < 0.12);
+  await settled(page);
   for (let i = 0; i < 3; i++) {
     await page.click("#step");
     await settled(page);
   }
   const first = await report(page);
-  const query = new URL(page.url()).search;
+  const query = (await address(page)).search;
   const other = await open(t, query);
   await settled(other);
   const second = await report(other);
@@ -254,13 +259,14 @@ test("examples start a run", async (t) => {
   const page = await open(t, "?n=150", moving);
   const all = ["thin", "dense", "collapse", "settling", "rough"];
   for (const id of all) {
+    const run = await page.evaluate(() => document.documentElement.dataset.run);
     await page.click(`#example-${id}`);
     await page.waitForFunction(
-      (id) =>
+      ([id, run]) =>
+        document.documentElement.dataset.run !== run &&
         document.getElementById(`example-${id}`).getAttribute("aria-pressed") === "true" &&
         window.hardlimit.report()?.samples.length > 15,
-      id,
-      { timeout: 60_000 },
+      [id, run],
     );
     assert.equal(await page.getAttribute('[aria-pressed="true"][id^="example"]', "id"), `example-${id}`);
     await shoot(page, `gas-${id}`);
@@ -278,6 +284,7 @@ test("what cannot run is said in one line", async (t) => {
     await page.textContent("#notes"),
     /restitution ε: 7 is outside 0\.1 to 1; it is 1\..*Gravity needs a floor/,
   );
+  await settled(page);
   for (const id of ["hard", "newton", "energy"]) assert.ok((await colours(page, id)) > 4, id);
   await page.click("#step");
   await page.click("#play");
@@ -290,6 +297,7 @@ test("the disks cover their packing fraction of the picture", async (t) => {
     [150, 2],
   ]) {
     const page = await open(t, `?n=${n}&phi=0.4&t=0`, { deviceScaleFactor });
+    await settled(page);
     const shares = await page.evaluate(() =>
       ["hard", "newton"].map((id) => {
         const canvas = document.getElementById(id);
@@ -321,7 +329,7 @@ test("accessible, in both themes, at every size and in print", async (t) => {
   await settled(page);
   await started(page, 8);
   for (const [name, [width, height]] of Object.entries(sizes)) {
-    await page.setViewportSize({ width, height });
+    await resize(page, width, height);
     for (const colorScheme of ["light", "dark"]) {
       await page.emulateMedia({ colorScheme });
       await page.waitForFunction((scheme) => document.documentElement.dataset.theme === scheme, colorScheme);

@@ -2,7 +2,7 @@
 // PYTHON: an interpreter that has hardlimit installed. SHOTS: a folder for screenshots.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { accessible, download, mapDone, shoot, Site } from "./browser.mjs";
+import { accessible, download, mapDone, sees, shoot, Site } from "./browser.mjs";
 import { load } from "./modules.mjs";
 
 const lib = await load("axes", "map_points", "link", "theme", "rises");
@@ -59,9 +59,7 @@ function hasTexts(svg, names) {
 
 test("the curve as CSV and as SVG: the values of the core", async (t) => {
   const page = await open(t, "?example=fig2&curve=e");
-  await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, {
-    timeout: 60_000,
-  });
+  await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
   const { head, rows } = csv(await saved(page, "#curve-csv"));
   assert.deepEqual(head, ["restitution", "newton_top_ball_height_m", "icm_top_ball_height_m"]);
   assert.ok(rows.length > 25 && rows.every(([x], i) => i === 0 || x > rows[i - 1][0]));
@@ -213,10 +211,11 @@ test("this setting as Python and as a command: copied, by keyboard", async (t) =
   );
   await page.keyboard.press("Tab");
   await page.evaluate(() => delete window.copied);
-  await page.keyboard.press("Enter");
+  // The button says so for a moment.
+  const says = () => document.getElementById("copy-command").textContent === "Copied";
+  await sees(page, says, null, () => page.keyboard.press("Enter"));
   await page.waitForFunction(() => window.copied);
   assert.match(await page.evaluate(() => window.copied), /^hardlimit drop --law linear --radius 0.1 /);
-  assert.equal(await page.textContent("#copy-command"), "Copied");
   await accessible(page, "the open menu");
   await page.keyboard.press("Escape");
   assert.equal(await page.evaluate(() => document.activeElement.closest("details").id), "export");

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import decodeQR from "qr/decode.js";
-import { accessible, shoot, Site } from "./browser.mjs";
+import { accessible, frames, settled, shoot, Site, solved } from "./browser.mjs";
 import { load, random, randomLink } from "./modules.mjs";
 
 const lib = await load("embed", "measured", "presets", "qr", "sound", "worksheet");
@@ -154,14 +154,15 @@ test("the page is silent until the button is pressed, and again afterwards", asy
     };
   });
   await page.click("#play");
-  await page.waitForTimeout(300);
+  await frames(page, 20);
   assert.equal(await page.evaluate(() => window.contexts.length), 0);
   await page.focus("#sound");
   await page.keyboard.press("Enter");
-  await page.waitForFunction(() => window.contexts[0]?.tones >= 2, null, { timeout: 30_000 });
+  await page.waitForFunction(() => window.contexts[0]?.tones >= 2);
   assert.equal(await page.getAttribute("#sound", "aria-pressed"), "true");
   await page.click("#sound");
-  assert.ok(await page.evaluate(() => window.contexts[0].closed && window.contexts.length === 1));
+  await page.waitForFunction(() => window.contexts[0].closed);
+  assert.equal(await page.evaluate(() => window.contexts.length), 1);
 });
 
 // ---- worksheet, dialogs, balls ------------------------------------------------------------------------------------
@@ -241,11 +242,8 @@ test("a measured ball from the list: its radius and mass, and its source", async
     await page.selectOption("#kind2", id);
     const said = await page.textContent(".correction");
     assert.ok(said.includes(by), said);
-    const ball = await page.evaluate(
-      () =>
-        window.hardlimit.report() &&
-        new Promise((done) => setTimeout(() => done(window.hardlimit.report().setting.balls[1]), 700)),
-    );
+    await settled(page);
+    const ball = await page.evaluate(() => window.hardlimit.report().setting.balls[1]);
     assert.ok(2 * ball.radius >= diameter[0] && 2 * ball.radius <= diameter[1], id);
     assert.ok(lib.massOf(ball) >= 0.99 * mass[0] && lib.massOf(ball) <= 1.01 * mass[1], id);
     assert.equal(await page.inputValue("#kind2"), id);
@@ -261,7 +259,7 @@ test("phones: the laboratory opens at its top, a single panel shows its picture 
   assert.equal(await page.evaluate(() => scrollY), 0);
   for (const panel of ["map", "film", "rebound"]) {
     await page.goto(`${site.base}?panel=${panel}&example=fig2`);
-    await page.waitForFunction(() => document.documentElement.dataset.numbers);
+    await solved(page);
     const [picture, words] = await page.evaluate(
       (name) =>
         [`main > .${name} .canvas`, "main > .answers"].map(

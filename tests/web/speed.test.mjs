@@ -3,7 +3,7 @@
 // because on few cores these wait for each other and for the browser.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { forget, goTo, mapDone, Site } from "./browser.mjs";
+import { answerInPart, frames, goTo, mapDone, newMap, rest, Site, visit } from "./browser.mjs";
 import { long } from "./scenarios.mjs";
 
 const strict = process.env.TIMES !== "off";
@@ -29,7 +29,7 @@ async function costOf(page, act) {
       .map((e) => e.tdur / 1000);
   };
   const tasks = times("CrRendererMain").sort((x, y) => y - x);
-  assert.ok(tasks.length > 10, "tasks are seen");
+  assert.ok(tasks.length > 0, "tasks are seen");
   return { tasks, page: total(tasks), workers: total(times("DedicatedWorker")) };
 }
 const total = (times) => times.reduce((sum, x) => sum + x, 0);
@@ -48,16 +48,14 @@ for (const [name, query] of [
 ])
   test(name, async (t) => {
     const page = await open(t, query, { reducedMotion: "no-preference" });
-    await page.waitForFunction(
-      () => ["speed", "watch-speed"].some((id) => /× slower/.test(document.getElementById(id).textContent)),
-      null,
-      { timeout: 10_000 },
+    await page.waitForFunction(() =>
+      ["speed", "watch-speed"].some((id) => /× slower/.test(document.getElementById(id).textContent)),
     );
-    let frames = [];
+    let stamps = [];
     const cost = await costOf(
       page,
       async () =>
-        void (frames = await page.evaluate(
+        void (stamps = await page.evaluate(
           (count) =>
             new Promise((done) => {
               const stamps = [];
@@ -70,8 +68,8 @@ for (const [name, query] of [
           often(90),
         )),
     );
-    const rate = (1000 * (frames.length - 1)) / (frames[frames.length - 1] - frames[0]);
-    const each = cost.page / (frames.length - 1);
+    const rate = (1000 * (stamps.length - 1)) / (stamps[stamps.length - 1] - stamps[0]);
+    const each = cost.page / (stamps.length - 1);
     t.diagnostic(`${rate.toFixed(1)} frames/s while animating; ${each.toFixed(1)} ms of processor time each`);
     if (strict) assert.ok(each < mostEach);
   });
@@ -79,32 +77,30 @@ for (const [name, query] of [
 test("the gas: 500 disks in both worlds", async (t) => {
   const ready = (page) => page.waitForFunction(() => window.hardlimit?.report()?.samples.length > 60);
   const page = await open(t, "gas.html?n=500", { ready, reducedMotion: "no-preference" });
-  let frames = 0;
-  const seconds = strict ? 3 : 0.3;
+  const wanted = often(180);
+  let seconds = 0;
   const cost = await costOf(
     page,
     async () =>
-      void (frames = await page.evaluate(async (seconds) => {
-        const before = window.hardlimit.report().samples.length;
-        await new Promise((done) => setTimeout(done, 1000 * seconds));
-        return window.hardlimit.report().samples.length - before;
-      }, seconds)),
+      void (seconds = await page.evaluate(async (wanted) => {
+        const [before, begin] = [window.hardlimit.report().samples.length, performance.now()];
+        while (window.hardlimit.report().samples.length < before + wanted)
+          await new Promise((done) => setTimeout(done, 50));
+        return (performance.now() - begin) / 1000;
+      }, wanted)),
   );
+  const [onPage, inWorker] = [cost.page / wanted, cost.workers / wanted];
   t.diagnostic(
-    `${(frames / seconds).toFixed(1)} frames/s; each ${(cost.page / frames).toFixed(1)} ms of processor time on the ` +
-      `page, ${(cost.workers / frames).toFixed(1)} ms in the worker; ${longest(cost.tasks)}`,
+    `${(wanted / seconds).toFixed(1)} frames/s; each ${onPage.toFixed(1)} ms of processor time on the page, ` +
+      `${inWorker.toFixed(1)} ms in the worker; ${longest(cost.tasks)}`,
   );
-  if (strict) assert.ok(cost.page / frames < mostEach && cost.workers / frames < 1000 / 60 && cost.tasks[0] < mostBusy);
+  if (strict) assert.ok(onPage < mostEach && inWorker < 1000 / 60 && cost.tasks[0] < mostBusy);
 });
 
 test("quick enough: slider and map", async (t) => {
   const page = await open(t, "?example=fig2", { maps: true });
   await mapDone(page);
-  const change = async (button) => {
-    await page.click(button);
-    await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
-    await mapDone(page);
-  };
+  const change = (button) => newMap(page, () => page.click(button));
   await change("#zoom-in");
   const whole = await costOf(page, () => change("#zoom-all"));
   const [ms, cores] = await page.evaluate(() => [
@@ -161,32 +157,24 @@ test("the slider of the second chapter", async (t) => {
 test("the viscoelastic map is complete, and quick too", async (t) => {
   const page = await open(t, "?example=basketball", { maps: true });
   await mapDone(page);
-  const { workers } = await costOf(page, async () => {
-    await page.check("#law-viscoelastic");
-    await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
-    await mapDone(page);
-  });
+  const { workers } = await costOf(page, () => newMap(page, () => page.check("#law-viscoelastic")));
   const map = await page.evaluate(() => ({ ...document.getElementById("map").dataset }));
   t.diagnostic(`400 × 400 viscoelastic map: ${map.ms} ms, workers ${workers.toFixed(0)} ms of processor time`);
-  assert.equal(map.resolution, "400");
-  if (strict) assert.ok(workers < 8000);
+  // Where it would take too long, the finest level is omitted.
+  if (strict) assert.ok(map.resolution === "400" && workers < 8000, `${map.resolution}, ${workers} ms`);
 });
-
-const idle = (page) =>
-  page.waitForFunction(
-    () => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers,
-  );
 
 test("no task holds the page up while a worker computes", async (t) => {
   const page = await open(t);
   await mapDone(page);
+  await answerInPart(page); // so that it is not over before it is given up
   const { tasks } = await costOf(page, async () => {
     await goTo(page, long);
     await page.waitForSelector("#busy:not([hidden])");
     const said = await page.textContent("#busy-what");
     await page.waitForFunction((said) => document.getElementById("busy-what").textContent !== said, said);
     await page.click("#give-up");
-    await idle(page);
+    await rest(page);
   });
   t.diagnostic(longest(tasks));
   if (strict) assert.ok(tasks[0] < mostBusy);
@@ -202,10 +190,8 @@ test("no task holds the page up when the controls of six balls are built", async
       tasks.push(
         (
           await costOf(page, async () => {
-            await forget(page);
-            await goTo(page, query);
-            await idle(page);
-            await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+            await visit(page, query);
+            await frames(page);
           })
         ).tasks[0],
       );

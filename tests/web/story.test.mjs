@@ -3,7 +3,20 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
 import { after, before, test } from "node:test";
-import { accessible, laboratory, mapDone, shoot, Site, solved } from "./browser.mjs";
+import {
+  accessible,
+  address,
+  frames,
+  laboratory,
+  linked,
+  mapDone,
+  resize,
+  sees,
+  settled,
+  shoot,
+  Site,
+  solved,
+} from "./browser.mjs";
 
 let site;
 before(async () => void (site = await Site.begin()));
@@ -13,14 +26,8 @@ const open = (...args) => site.open(...args);
 const steps = ["predict", "watch", "slow", "count", "gap", "map"];
 const phone = { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
 const textOf = (step) => `.chapter[data-step="${step}"] .text`;
-const says = (page, step, pattern, options) =>
-  page.waitForFunction(
-    ([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector).textContent),
-    [textOf(step), pattern.source],
-    options,
-  );
-const frames = (page) =>
-  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+const matches = ([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector).textContent);
+const says = (page, step, pattern) => page.waitForFunction(matches, [textOf(step), pattern.source]);
 const goTo = async (page, step) => {
   await page.evaluate((step) => document.querySelector(`.chapter[data-step="${step}"]`).scrollIntoView(), step);
   await frames(page);
@@ -31,8 +38,7 @@ const at = (page, step) =>
     return (q.get("story") ?? (q.get("page") === "lab" || q.has("panel") ? null : "predict")) === step;
   }, step);
 const tooHigh = (page) => page.evaluate(() => document.documentElement.scrollHeight - innerHeight); // pixels
-const curveDone = (page) =>
-  page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
+const curveDone = (page) => page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
 const reading = (page, part) =>
   page.waitForFunction((part) => document.getElementById("rebound-reading").textContent.includes(part), part);
 
@@ -88,7 +94,7 @@ test("links: what the page opens with, an example by name, own values", async (t
   const page = await open(t, "?example=fig2");
   const linkOf = async () => {
     await page.click("#copy");
-    return new URL(page.url()).search;
+    return (await address(page)).search;
   };
   assert.equal(await linkOf(), "?example=fig2&page=lab");
   await page.selectOption("#preset", "basketball");
@@ -109,9 +115,9 @@ test("the story: scrolling, chapters, links, history", async (t) => {
   await at(page, "predict");
   assert.equal(await page.isVisible("#controls"), false);
   await page.evaluate(() => document.activeElement.blur());
-  for (let i = 0; i < 40 && !(await page.url().includes("story=map")); i++) {
+  for (let i = 0; i < 40 && !(await address(page)).search.includes("story=map"); i++) {
     await page.keyboard.press("PageDown");
-    await page.waitForTimeout(100);
+    await frames(page, 6);
   }
   await at(page, "map");
   assert.equal(await page.getAttribute('#chapters [data-step="map"]', "aria-current"), "step");
@@ -143,6 +149,7 @@ test("the story: scrolling, chapters, links, history", async (t) => {
   for (const step of steps) {
     await page.goto(`${site.base}?story=${step}`);
     await solved(page);
+    await settled(page);
     await at(page, step);
     const top = await page.evaluate(
       (step) => document.querySelector(`.chapter[data-step="${step}"]`).getBoundingClientRect().top,
@@ -156,20 +163,31 @@ test("the story: scrolling, chapters, links, history", async (t) => {
 
 test("the story: only drawings in view are drawn again", async (t) => {
   const page = await open(t, "?story=watch", { reducedMotion: "no-preference" });
-  const moving = () =>
-    page.evaluate(async () => {
+  // Waits until only one of both drawings is in view, or none, and moves, and then for 30 frames.
+  const moving = async (seen) => {
+    await page.waitForFunction(
+      (seen) =>
+        ["duel", "stage"].every((id) => document.getElementById(id).hasAttribute("data-away") === (id !== seen)),
+      seen,
+    );
+    await frames(page);
+    return page.evaluate(async (seen) => {
       const before = Object.fromEntries(["duel", "stage"].map((id) => [id, document.getElementById(id).toDataURL()]));
-      await new Promise((done) => setTimeout(done, 500));
-      return Object.keys(before).filter((id) => document.getElementById(id).toDataURL() !== before[id]);
-    });
+      const changed = () => Object.keys(before).filter((id) => document.getElementById(id).toDataURL() !== before[id]);
+      const frame = () => new Promise((done) => requestAnimationFrame(done));
+      while (seen && !changed().includes(seen)) await frame(); // at its end the film waits for a moment
+      for (let i = 0; i < 30; i++) await frame();
+      return changed();
+    }, seen);
+  };
   await page.waitForFunction(() => window.hardlimit.report()?.time);
-  assert.deepEqual(await moving(), ["duel"]);
+  assert.deepEqual(await moving("duel"), ["duel"]);
   await page.evaluate(() => document.getElementById("stage").scrollIntoView());
-  await frames(page);
-  assert.deepEqual(await moving(), ["stage"]);
+  assert.deepEqual(await moving("stage"), ["stage"]);
   await goTo(page, "gap");
+  assert.deepEqual(await moving(null), []);
   const time = await page.evaluate(() => window.hardlimit.report().time);
-  assert.deepEqual(await moving(), []);
+  await frames(page, 30);
   assert.equal(await page.evaluate(() => window.hardlimit.report().time), time, "the film waits");
 });
 
@@ -193,10 +211,9 @@ test("the story: guess, drop, compare", async (t) => {
   await page.waitForFunction((guess) => Number(new URL(location.href).searchParams.get("guess")) === guess, guess);
   const beside = page.locator(".chapter[data-step=predict] .beside");
   assert.equal(await beside.textContent(), "");
-  await page.click("#let-go");
-  await says(page, "predict", /Watch/);
+  await sees(page, matches, [textOf("predict"), "Watch"], () => page.click("#let-go"));
   assert.equal(await handle.isVisible(), false);
-  await says(page, "predict", /rises to/, { timeout: 20_000 });
+  await says(page, "predict", /rises to/);
   assert.match(
     await beside.textContent(),
     /we know of no measurement of how stiff .* half the stiffness assumed here gives 0\.961 m, twice as much 0\.476 m\./,
@@ -209,7 +226,7 @@ test("the story: guess, drop, compare", async (t) => {
   );
   await page.click("#let-go");
   await says(page, "predict", /Drag the line there/);
-  const again = await open(t, new URL(page.url()).search);
+  const again = await open(t, (await linked(page)).search);
   assert.equal(Number(await again.getAttribute("#prediction-box .handle", "aria-valuenow")), guess);
 });
 
@@ -245,6 +262,7 @@ test("the story is printed with the balls of each chapter, wherever the reader i
     ["count", ["timeline", "map", "rebound"]],
   ]) {
     const page = await open(t, `?story=${step}`, { maps: true });
+    await settled(page);
     const before = await page.evaluate(() => [window.hardlimit.report().step, window.hardlimit.report().toml]);
     // Complete when the pictures that the screen does not show are computed.
     const printed = () => {
@@ -266,7 +284,7 @@ test("the story is printed with the balls of each chapter, wherever the reader i
       dispatchEvent(new Event("afterprint"));
       return complete && { texts, papers, inks };
     };
-    const paper = await (await page.waitForFunction(printed, null, { polling: 500, timeout: 120_000 })).jsonValue();
+    const paper = await (await page.waitForFunction(printed, null, { polling: 500 })).jsonValue();
     assert.match(paper.texts.predict, /^A tennis ball above a basketball: both are let go together/);
     assert.match(paper.texts.slow, /^Drop the basketball alone/);
     assert.match(paper.texts.count, /^For this chapter the balls change.* At ε = 0\.7 the balls touch four times/);
@@ -306,14 +324,12 @@ test("the story: one contact, all contacts, with sliders for ε and the gap", as
   await paragraph(2, /^No two contacts last at the same time here\./);
   await page.goto(`${site.base}?example=cradle&story=slow`);
   await solved(page);
-  assert.equal(await page.isVisible("#lone-box"), false);
+  await page.waitForSelector("#lone-box", { state: "hidden" });
 });
 
 test("the story: curve and map belong to the setting", async (t) => {
   const page = await open(t, "?story=gap", { maps: true });
-  await says(page, "gap", /Let go touching, the tennis ball reaches 0\.689 m; [\d.]+ cm apart, 1\.30 m/, {
-    timeout: 120_000,
-  });
+  await says(page, "gap", /Let go touching, the tennis ball reaches 0\.689 m; [\d.]+ cm apart, 1\.30 m/);
   assert.match(
     await page.textContent(".chapter[data-step=gap] .beside"),
     /^We know no published heights of these balls together; .* the tennis ball would come back to 0\.322 m to 0\.348 m, by the bounce that the rules of the game \(ITF\) ask of it\. How high exactly is not known/,
@@ -324,7 +340,6 @@ test("the story: curve and map belong to the setting", async (t) => {
     page.waitForFunction(
       (pattern) => new RegExp(pattern).test(document.querySelectorAll(".chapter[data-step=map] .text")[1].textContent),
       pattern.source,
-      { timeout: 120_000 },
     );
   await line(/agree to 1 %; at the present ε that takes a gap above 2\.1 mm/);
   await page.selectOption("#map-tolerance", "0.02");
@@ -369,6 +384,7 @@ test("the story on a phone: a finger scrolls, and drags a ball or the guess", as
   };
   await goTo(page, "watch");
   await page.click("#watch-play");
+  await page.waitForFunction(() => document.getElementById("watch-play").textContent === "Play"); // the balls stand
   const duel = await page.locator("#duel").boundingBox();
   const scrolled = await page.evaluate(() => scrollY);
   const ball = await page.locator("#duel-box .handle[aria-label^=Gap]").boundingBox();
@@ -395,7 +411,7 @@ test("the balls are sliders: mouse, keys, undo", async (t) => {
       [what, low, high],
     );
   const before = await setting();
-  const pause = () => page.waitForTimeout(750); // quicker changes are one step of undo
+  const pause = () => page.waitForTimeout(750); // so that the next change is a step of its own; quicker ones are one
   const [gap, height] = ["Gap", "Height"].map((name) => page.locator(`#duel-box .handle[aria-label^=${name}]`));
   assert.deepEqual(await gap.evaluate((x) => [x.role, x.tabIndex, x.getAttribute("aria-valuetext")]), [
     "slider",
@@ -406,8 +422,12 @@ test("the balls are sliders: mouse, keys, undo", async (t) => {
   await page.keyboard.press("ArrowUp");
   await becomes("gap", 0.0005);
   assert.equal(await gap.getAttribute("aria-valuetext"), "500 µm");
-  await page.keyboard.press("PageUp");
-  await becomes("gap", 0.0055);
+  await pause();
+  await gap.evaluate((handle) => {
+    for (const key of ["PageUp", "ArrowUp"]) handle.dispatchEvent(new KeyboardEvent("keydown", { key }));
+  });
+  await becomes("gap", 0.006);
+  await pause();
   await page.keyboard.press("Home");
   await becomes("gap", 0);
   await pause();
@@ -418,22 +438,24 @@ test("the balls are sliders: mouse, keys, undo", async (t) => {
   const box = await height.boundingBox();
   await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
   await page.mouse.down();
-  await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height - 30, { steps: 5 });
+  await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height - 30);
   await page.mouse.up();
   await becomes("height", before.height + 0.05, 10);
   await page.click("#undo");
   await becomes("height", before.height + 0.001, before.height + 0.05);
   await page.keyboard.press("Control+z");
   await becomes("height", before.height);
-  await page.keyboard.press("Control+z");
-  await becomes("gap", 0);
+  for (const x of [0.006, 0.0005, 0]) {
+    await page.keyboard.press("Control+z");
+    await becomes("gap", x);
+  }
   assert.equal(await page.isDisabled("#undo"), true);
 });
 
 test("one panel: each by itself, with text that grows with the window", async (t) => {
   const page = await open(t, "?panel=film&gap=0.03&example=basketball");
   for (const panel of ["film", "numbers", "energy", "forces", "timeline", "rebound", "map"]) {
-    await page.setViewportSize({ width: 1280, height: 720 });
+    await resize(page, 1280, 720);
     await page.goto(`${site.base}?panel=${panel}&gap=0.03&example=basketball`);
     await solved(page);
     const shown = await page.$$eval("main > .panel", (list) =>
@@ -442,7 +464,7 @@ test("one panel: each by itself, with text that grows with the window", async (t
     assert.deepEqual(shown, [panel]);
     const size = () => page.evaluate(() => parseFloat(getComputedStyle(document.documentElement).fontSize));
     const small = await size();
-    await page.setViewportSize({ width: 2560, height: 1440 });
+    await resize(page, 2560, 1440);
     const large = await size();
     assert.ok(small >= 18 && large > 1.9 * small, `${panel}: ${small} px, ${large} px`);
     assert.ok((await tooHigh(page)) <= 0, panel);
@@ -469,10 +491,10 @@ test("from the story: one panel, and the laboratory from there", async (t) => {
   const page = await open(t, "?page=story");
   await page.waitForFunction(() => document.getElementById("map-show").value === "effective"); // chapter 6 is prepared
   await page.click("#enlarge");
-  assert.match(page.url(), /\?(t=[\d.]+&)?panel=film$/); // reduced motion: the film stands
+  assert.match((await address(page)).search, /^\?(t=[\d.]+&)?panel=film$/); // reduced motion: the film stands
   assert.ok((await page.locator("#film").boundingBox()).width > 1300);
   await page.click("#panel-leave");
-  assert.match(page.url(), /\?(t=[\d.]+&)?page=lab$/);
+  assert.match((await address(page)).search, /^\?(t=[\d.]+&)?page=lab$/);
   assert.equal(await page.inputValue("#map-show"), "count");
 });
 
@@ -485,7 +507,7 @@ async function framing(t, source) {
   );
   await new Promise((done) => outer.listen(0, "127.0.0.1", done));
   t.after(() => outer.close());
-  const context = await site.browser.newContext({ reducedMotion: "reduce" });
+  const context = await site.newContext();
   t.after(() => context.close());
   const page = await context.newPage();
   await page.goto(`http://127.0.0.1:${outer.address().port}/`);
@@ -495,9 +517,7 @@ async function framing(t, source) {
 test("a single panel can be framed, the whole page cannot", async (t) => {
   const page = await framing(t, `${site.base}?panel=rebound&gap=0.03&example=basketball`);
   const frame = page.frames()[1];
-  await frame.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, {
-    timeout: 120_000,
-  });
+  await frame.waitForFunction(() => document.getElementById("rebound").dataset.done === "true");
   assert.equal(await frame.isVisible("#panel-tools"), false);
   const whole = new URL(await frame.getAttribute("#panel-whole", "href"));
   assert.equal(whole.searchParams.get("gap"), "0.03");
@@ -514,8 +534,9 @@ test("rebound heights over the gap are Python's, and a place in the plot chooses
   await page.selectOption("#preset", "fig2");
   await reading(page, "Δh = 100 µm: Newton 0.484 m, ICM 1.99 m"); // as in the headline
   await page.selectOption("#preset", "basketball");
-  await reading(page, "touching: Newton 0.689 m");
+  await settled(page);
   await curveDone(page);
+  await reading(page, "touching: Newton 0.689 m");
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("#toml")]);
   await page.locator("#rebound").scrollIntoViewIfNeeded();
   const box = await page.locator("#rebound").boundingBox();
@@ -641,7 +662,7 @@ test("A beside B, in one link", async (t) => {
       Object.entries(wanted).every(([name, value]) => new URL(location.href).searchParams.get(name) === value),
     inLink,
   );
-  const other = await open(t, new URL(page.url()).search);
+  const other = await open(t, (await linked(page)).search);
   await other.waitForFunction(() => document.getElementById("compare").dataset.ready === "true");
   assert.deepEqual(
     await other.$$eval("#compare-table tbody tr", (list) =>
@@ -716,8 +737,6 @@ async function shootWhole(page, name, view) {
     () =>
       document.getElementById("timeline").dataset.computed !== "false" ||
       !document.getElementById("timeline").checkVisibility(),
-    null,
-    { timeout: 120_000 },
   );
   await shoot(page, `story-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, {
     fullPage: view.startsWith("?a"),
@@ -734,7 +753,7 @@ for (const view of views)
       ["large", 2560, 1440, "light"],
     ]) {
       await page.emulateMedia({ colorScheme });
-      await page.setViewportSize({ width, height });
+      await resize(page, width, height);
       await page.waitForFunction((theme) => document.documentElement.dataset.theme === theme, colorScheme);
       if (name !== "large") await accessible(page, `${name} ${view}`);
       if (view.startsWith("?panel")) assert.ok((await tooHigh(page)) <= 0, `${name} ${view}`);
@@ -767,8 +786,7 @@ test("the story in windows of every kind: accessible, and nothing over anything 
     [1280, 720],
     [1920, 1080],
   ]) {
-    await page.setViewportSize({ width, height });
-    await frames(page);
+    await resize(page, width, height);
     await accessible(page, `${width} × ${height}`);
     const over = await page.$$eval(".chapter", (chapters) =>
       chapters.flatMap((chapter) => {

@@ -247,6 +247,7 @@ export class Controls {
         element,
         kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${textOf(kept)} used`],
       );
+      refresh(); // a late result would take it for a new value, and overwrite what is being typed
     });
     field.addEventListener("focus", () => field.select());
     const cell = make("span");

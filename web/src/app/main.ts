@@ -392,6 +392,7 @@ class Page {
       sentences,
       time: this.state.time(),
       tolerance: view.tolerance,
+      link: this.state.link(),
     };
   };
 
@@ -413,7 +414,7 @@ class Page {
     if (this.opened) this.frames++;
     if (this.frames === 1) return; // the first picture is painted
     if (this.frames === 2 && state.drop) this.show(state.drop);
-    else if (this.frames > 2 || now > patience) catchUp(8);
+    else if ((this.frames > 2 || now > patience) && catchUp(8)) root.toggleAttribute("data-complete", true);
     this.rest(now);
     const passed = Math.min((now - this.lastFrame) / 1000, 0.1);
     this.lastFrame = now;

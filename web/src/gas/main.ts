@@ -57,7 +57,7 @@ class Page {
     ] as const
   ).map(([id, color]) => new WorldView(new Sheet(id, () => this.draw()), color));
   private readonly plots = graphs.map((id) => new Sheet(id, () => this.draw()));
-  private timer = 0;
+  private timer = 0; // of a restart after a change
 
   constructor() {
     this.read();
@@ -250,6 +250,8 @@ class Page {
 
   private async restart(): Promise<void> {
     const run = ++this.run;
+    clearTimeout(this.timer);
+    this.timer = 0;
     this.next = null;
     this.busy = true;
     this.showPlaying();
@@ -294,14 +296,12 @@ class Page {
     this.playing = false;
     this.showPlaying();
     setSentence(find("verdict"), message);
-    root.dataset.settled = String(this.run);
   }
 
   private async advance(steps: number, until = 0): Promise<void> {
     if (this.busy || !this.facts || this.facts.done || this.facts.start.tooSoft > 0) return;
     const run = this.run;
     this.busy = true;
-    delete root.dataset.settled;
     const answer = await this.client.ask({ kind: "advance", steps, until });
     if (run !== this.run) return;
     this.busy = false;
@@ -310,9 +310,7 @@ class Page {
     this.take(answer.samples, answer.frame);
     this.next = answer.frame;
     if (answer.late) return this.advance(steps, until);
-    if (this.playing) return;
-    this.writeLink();
-    root.dataset.settled = String(run);
+    if (!this.playing) this.writeLink();
   }
 
   private take(samples: FrameOf["sample"][], frame: FrameOf): void {
@@ -335,6 +333,8 @@ class Page {
       this.draw();
       if (++this.drawn % 12 === 0 || !this.playing) this.writeTexts();
     } else if (this.playing && !document.hidden) void this.advance(this.steps);
+    const waits = this.busy || this.timer !== 0 || this.answered !== this.run;
+    root.toggleAttribute("data-settled", !this.playing && !waits); // paused, drawn and written, for tests
   }
   private get steps(): number {
     return Number(find<HTMLSelectElement>("speed").value);
