@@ -277,10 +277,10 @@ def test_engines_that_may_be_there_and_versions_that_are_asked_for():
     state = hl.check(maybe)
     assert state.state.pressure == pytest.approx(HEAVY * 0.1)
     assert any("Balancer" in finding.where for finding in state.unknown)
-    asked = "if yade.libVersions.getAllVersionsCpp()['mpi'][0][0] >= 3:\n    O.dt = 5e-7\n"
-    assert read(script(CLOUD, end=asked), "", {}).stages[-1].time_step == 5e-7
+    condition = "if yade.libVersions.getAllVersionsCpp()['mpi'][0][0] >= 3:\n    O.dt = 5e-7\n"
+    assert read(script(CLOUD, end=condition), "", {}).stages[-1].time_step == 5e-7
     assert (
-        read(script(CLOUD, end=asked.replace("libVersions", "of_a_file")), "", {}).stages[-1].time_step
+        read(script(CLOUD, end=condition.replace("libVersions", "of_a_file")), "", {}).stages[-1].time_step
         is None
     )
 

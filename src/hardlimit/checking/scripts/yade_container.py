@@ -144,8 +144,8 @@ class Container:
         if not self.everywhere:
             ends = [max((sign * face.at for face in self.floors(space, along, cell)), default=math.inf)]
             tops = []
-        held = [min(sign * end[k] for end in pair) for pair in self.unsure if pair is not None]
-        bottom = min((*ends, *tops, *held), default=math.inf)
+        unsure = [min(sign * end[k] for end in pair) for pair in self.unsure if pair is not None]
+        bottom = min((*ends, *tops, *unsure), default=math.inf)
         inside = bottom <= lowest + ROUNDING * abs(height)
         return height + self.farther - bottom if inside and math.isfinite(height) else None
 
