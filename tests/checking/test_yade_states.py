@@ -268,6 +268,21 @@ def test_a_poisson_ratio_of_no_material(ratio):
         assert wrong.state.overlap == pytest.approx(0.051982, rel=2e-3)
 
 
+@pytest.mark.parametrize("physics", ["Frict", "Mindlin"])
+def test_a_wall_without_a_modulus_exerts_no_force(physics):
+    """The run is read nevertheless, and its grains are those of the other contacts."""
+    soft = "O.bodies.append(facet([(0, 0, 1), (1, 0, 1), (0, 1, 1)], material=FrictMat(young=0)))\n"
+    law = {"Frict": "FrictPhys_CundallStrack", "Mindlin": "MindlinPhys_Mindlin"}[physics]
+    text = script(f"{BOX}{CLOUD}{soft}", end="O.run(10)\nO.dt = 2e-6")
+    text = text.replace("FrictMat_FrictPhys", f"FrictMat_{physics}Phys").replace(
+        "FrictPhys_CundallStrack", law
+    )
+    described = read(text, "", {})
+    assert [stage.time_step for stage in described.stages] == [1e-6, 2e-6]
+    assert {contact.wall for contact in described.stages[-1].contacts} == {None, "facets of stone"}
+    assert any("without a force" in note.what for note in described.ignored)
+
+
 # --- the evaluator --------------------------------------------------------------------------------------------------
 
 

@@ -491,7 +491,10 @@ class Yade(Evaluator):
         if name in ("run", "step"):
             steps = instance.argument(0, "steps", -1) if name == "run" else 1
             count = int(steps) if isinstance(steps, int | float) and 0 <= steps < 1e18 else None
-            add_stage(scene, self, quote, count)
+            try:
+                add_stage(scene, self, quote, count)
+            except ArithmeticError:  # of numbers that no contact has
+                scene.unknown[quote] = None
         elif name in ("load", "loadTmp", "reload"):
             if not scene.load():
                 self.body_calls.from_file(instance)

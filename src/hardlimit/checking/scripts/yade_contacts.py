@@ -129,6 +129,9 @@ class Contacts:
         if functor is None:
             return None
         contact = Contact(scene, functor, (i, j), wall, kind)
+        if functor.name.startswith("Ip2_FrictMat") and 0.0 in contact.both("young"):
+            scene.ignore("contacts without a force (young=0)", scene.at(functor))
+            return None
         if (scene.used("Law2_") or not scene.apart) and not contact.laws:
             scene.unknown[scene.quote(functor.line, f"{functor.text} without its law")] = None
             return None
