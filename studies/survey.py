@@ -3,8 +3,12 @@
     python studies/survey.py FOLDER [--json FILE] [--most 20]
 
 Every file below the folder that is a script or a log of LAMMPS, LIGGGHTS or YADE is checked as it is, without further
-numbers; copies of the same text count once. A script whose contacts are those of other bodies or models than spheres
-with springs (polyhedra, grids, bonds, smoothed particles) is listed apart as "other", whether or not it is answered.
+numbers; copies of the same text count once. Listed apart as "other", whether or not they are answered, are scripts
+
+* whose contacts are those of other bodies or models than spheres with springs (polyhedra, grids, bonds, beams of
+  ``L6Geom``, smoothed particles);
+* of Python that set contacts only in functions or classes that they do not run themselves: modules and unit tests;
+* in which no grain moves freely, as in computations of heat between fixed spheres.
 
 number: κ_p of grains at rest, pressed or flowing, Γ of shaken ones, t_c ν of a gas (0 of grains that never meet; its
 bound in a stream), ε, duration and overlap of one or two grains, or of grains that meet walls only. border: instead of
@@ -37,15 +41,42 @@ SPHERES: Final = re.compile(
 OTHERS: Final = re.compile(
     r"Polyhedra|Potential(Block|Particle)|[lL]evelSet|GridCo|[pP][fF]acet|Lubrication|SPHEngine|FoamCoupling"
     r"|Ip2_(?!FrictMat_FrictMat_(Mindlin|Frict)Phys|ViscElMat_ViscElMat_ViscElPhys|CohFrictMat_CohFrictMat_CohFrict)"
-    r"|superquadric|convexhull|pair_style\s+sph|bond_style\s+(?!none|zero)|cohesion\s+bond"
+    r"|Ig2_Sphere_Sphere_L6Geom|setCohesion(Now|OnNewContacts)\s*=\s*(True|1)|superquadric|convexhull|pair_style\s+sph|bond_style\s+(?!none|zero)|cohesion\s+bond"
     r"|(IGeom|IPhys|Geometry|Physics|Constitutive)\w*Dispatcher"
 )
+
+#: The message for scripts whose grains are all fixed.
+FIXED: Final = "no grain moves freely"
+#: Beginnings of definitions in Python.
+DEFINITION: Final = re.compile(r"(?:async\s+)?(?:def|class)\s+(\w+)|@")
+
+
+def is_module(text: str) -> bool:
+    """Whether a text of Python sets contacts only in functions or classes that it does not run itself."""
+    blocks: list[list[str]] = [[]]
+    for line in text.splitlines():
+        decorated = len(blocks[-1]) == 1 and blocks[-1][0].startswith("@")
+        if line[:1].strip() and not line.startswith(("#", ")", "]", "}")) and not decorated:
+            blocks.append([])
+        blocks[-1].append(line)
+    run, defined = "", dict[str, str]()
+    for lines in blocks:
+        heads = [match for line in lines[:2] if (match := DEFINITION.match(line))]
+        name = next((match[1] for match in heads if match[1]), None)
+        if name is None:
+            run += "\n".join(lines) + "\n"
+        else:
+            defined[name] = "\n".join(lines)
+    while called := [name for name in defined if re.search(rf"\b{name}\s*\(", run)]:
+        run += "".join(defined.pop(name) for name in called)
+    return not SPHERES.search(run)
 
 
 def surveyed(path: Path) -> dict[str, Any] | None:
     """What is said of one file; None if it is no script."""
     text = path.read_text("utf-8", errors="replace")
     other = not SPHERES.search(text) or bool(OTHERS.search(text))
+    other = other or (path.suffix == ".py" and is_module(text))
     empty = {"state": "refused", "answer": "refused", **dict.fromkeys((*NUMBERS, "any"), False), "quotes": []}
     try:
         verdict = hl.check(path)
@@ -53,7 +84,7 @@ def surveyed(path: Path) -> dict[str, Any] | None:
         message = str(error)
         if any(words in message for words in NOT_SCRIPTS):
             return None
-        return {**empty, "other": other, "why": [reason(message)]}
+        return {**empty, "other": other or FIXED in message, "why": [reason(message)]}
     state = verdict.state
     own = {"shaken": state.shaking, "gas": max((row.tc_nu or 0.0 for row in verdict.rows), default=0.0)}
     known = {

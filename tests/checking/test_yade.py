@@ -567,7 +567,6 @@ def test_where_a_time_step_comes_from(rest, step):
         "O.switchScene()",
         "O.bodies.append(blocks())",
         "growParticles(2)",
-        "for b in O.bodies: b.state.blockedDOFs = 'xyzXYZ'",
         "if quick(): O.engines = []",
         "if quick(): O.materials[0].young = 1e6",
         "O.bodies[0].state.mass = 3",

@@ -48,8 +48,8 @@ HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 
 #: What is said of grains in free fall, or at rest without gravity.
 NEVER_MEET: Final = (
-    "no grain meets another or a wall (t_c ν = 0): all start with one velocity, the same gravity or none acts on all, "
-    "and there is no wall"
+    "no grain meets another or a wall (t_c ν = 0): all start with one velocity, or side by side along gravity, which "
+    "acts on all alike, and there is no wall"
 )
 
 

@@ -587,6 +587,12 @@ class Load:
     centrifuging_radius: float | None = None  #: of a drum of Froude number 1
     layers: int = LAYERS  #: below which numbers are given if the pressure is not known
     speed_unit: float = 1.0  #: 1 m/s
+    concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it
+
+    @property
+    def on_contacts(self) -> float | None:
+        """The pressure under which spheres have the forces of these contacts."""
+        return None if self.pressure is None else self.concentration * self.pressure
 
 
 @dataclass(frozen=True)
@@ -724,7 +730,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1:
         bed = bed._replace(stress_share=UNEQUAL_SHARE)
     packing = bed if load.weight else bed._replace(stress_share=UNIAXIAL[rough] if load.uniaxial else 1.0)
-    contacts = loaded(moving, load.pressure, packing, dimension)
+    contacts = loaded(moving, load.on_contacts, packing, dimension)
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
     inertial, lacking = None, tuple[str, ...]()
@@ -757,7 +763,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     ):
         return replace(state, stiffness_number=kappa)
     if not contacts:
-        return of_any_size(state, moving, load.pressure, packing, dimension)
+        return of_any_size(state, moving, load.on_contacts, packing, dimension)
     if load.pressure is None:
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
@@ -789,11 +795,14 @@ def _supposed(
 
     ``number``: of all contacts, of which those with known numbers are given.
     """
-    pressure = border = rigid_up_to(_pairs(contacts))
+    border, pressure = rigid_up_to(_pairs(contacts)), None
+    if border is not None:
+        border /= load.concentration
+        pressure = load.concentration * border
     state, under = replace(state, pressure_for_rigid=border), list(contacts)
     if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
         heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
-        pressure = heavy * load.layers * diameter
+        pressure = load.concentration * heavy * load.layers * diameter
         under = [replace(contact, packing=packing, pressure=pressure) for contact in contacts]
         below = _softened(state, under, mixed(under, load.kinds))
         state = replace(

@@ -57,9 +57,8 @@ def in_script(
         fluid=any(words in others for words in ("fluid", "buoyancy")),
     )
     grains = _contact_of_few(state_of(stage, drive.support(stage), final.options, around), final, around)
-    if (
-        MULTISPHERE in others
-    ):  # whose arms and moments of inertia are not those of the sphere that stands for them
+    clumped = MULTISPHERE in others or stage.contents.concentration > 1.0
+    if clumped:  # whose arms and moments of inertia are not those of the sphere that stands for them
         grains = replace(grains, largest_stable_step=None, step_share=None)
     return grains
 

@@ -18,7 +18,7 @@ from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
 from .contacts import Body, Case
 from .drive import Support
 from .scripts import Stage
-from .scripts.description import FEW, WALL, Contents
+from .scripts.description import DENSEST, FEW, WALL, Contents
 from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
@@ -130,9 +130,12 @@ def load_of(
         density=_density(around, kinds),
         shaking=support.shaking,
         layers=most_layers(stage.contents.count, around.dimension),
+        concentration=stage.contents.concentration,
         speed_unit=around.speed_unit,
     )
     load = replace(load, **_pressure(stage, options, around, under_pressure))
+    if load.origin and load.concentration > 1.0:
+        load = replace(load, origin=f"{load.origin}, whole clumps on single spheres")
     walls = stage.contents.without or "what moving walls add" * support.moves
     beside = ["the fluid"] * around.fluid + [walls] * bool(walls)
     if load.weight and beside:
@@ -160,6 +163,8 @@ def _kinds(stage: Stage, around: Around) -> tuple[mixture.Kind, ...]:
     """
     moving = {name: kind for name, kind in stage.grains.items() if not kind.frozen}
     kinds = around.kinds or mixture.of_lots(stage.contents.lots, moving)
+    if stage.contents.concentration > 1.0:
+        return ()  # the spheres of a clump have no contacts of their own
     if len(moving) != 1:
         return kinds
     ((name, only),) = moving.items()
@@ -207,7 +212,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     grains = f"{around.length(height)} of grains at φ = {digits(phi, 2)}"
     origin = f"a box of {grains}" if bound else f"below {grains}"
     if bound and contents.height is not None:
-        origin = f"{around.length(height)} {contents.height_from}, at φ = {digits(phi, 2)}"
+        twice = " with overlaps in clumps counted twice" * (phi > DENSEST)
+        origin = f"{around.length(height)} {contents.height_from}, at φ = {digits(phi, 2)}{twice}"
     pressure = weight(height, phi * density, gravity)
     return {"pressure": pressure, "origin": origin, "weight": True, "bound": bound}
 

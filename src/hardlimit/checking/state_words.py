@@ -149,7 +149,9 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     text += f": κ_p{least} {digits(kappa, 2)}"
     if state.overlap is None:
         return f"{text} without the adhesion, which adds to the overlap; rigid from κ_p = 1e4 on"
-    if not _flows(state) and not _slides(state):  # flows have fewer contacts and larger overlaps
+    # A bound above this says nothing.
+    deep = state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST
+    if not (_flows(state) or _slides(state) or deep):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
         if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
             overlap = "more than half"  # which no contact law describes

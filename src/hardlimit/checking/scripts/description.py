@@ -11,6 +11,8 @@ from ...convert.tangential import Tangential
 
 #: Most grains that are judged as single contacts; more of them make a bed.
 FEW = 2
+#: Packing fraction that no bed exceeds: that of the densest equal spheres, rounded up.
+DENSEST = 0.75
 #: Second type of a contact with a wall.
 WALL = "wall"
 
@@ -108,6 +110,7 @@ class Contents:
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
     stream: float | None = None  #: largest packing fraction of a stream into open space
     never_meet: bool = False  #: whether no grain meets another or a wall
+    concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it, at most
 
 
 NOTHING = Contents()

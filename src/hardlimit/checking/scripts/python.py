@@ -7,6 +7,7 @@ understood is :class:`Unknown`. Arguments of the command line have their default
 from __future__ import annotations
 
 import ast
+import itertools
 import math
 import operator
 import re
@@ -20,7 +21,7 @@ from typing import Any, Final
 from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
-PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()[^\n]*", re.MULTILINE)
+PRINT: Final = re.compile(r"(^[ \t]*|[:;][ \t]*)print\b(?![ \t]*\()([^\n]*)", re.MULTILINE)
 #: A name, perhaps of a member of modules or objects.
 DOTTED: Final = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 MAX_STEPS: Final = 200_000
@@ -78,7 +79,7 @@ LISTS: Final[dict[str, Callable[..., Any]]] = {
     "tuple": lambda values=(): tuple(values),
 }
 #: Modules whose members are those functions and constants.
-MODULES: Final = ("math", "np", "numpy", "utils", "yade.utils")
+MODULES: Final = ("math", "np", "numpy", "utils", "yade.utils", "yade.math")
 CONSTANTS: Final = {"pi": math.pi, "e": math.e, "inf": math.inf}
 
 
@@ -163,6 +164,7 @@ class Evaluator:
         self.classes: dict[str, dict[str, ast.FunctionDef]] = {}  #: methods by name
         self.sources: dict[ast.AST, str] = {}
         self.executed: set[ast.AST] = set()  #: functions that were called
+        self.entered: set[ast.AST] = set()  #: those among them whose statements were run here
         self.modules = set(MODULES)
         self.count = self.depth = 0
         self.repeats = 0  #: depth of statements that may run any number of times
@@ -185,9 +187,9 @@ class Evaluator:
             raise refusal(1, self.text[:80], "be nested less deeply", self.file) from None
 
     def parsed(self) -> ast.Module:
-        """The script as a tree. Print statements of Python 2 are skipped."""
+        """The script as a tree. Of print statements of Python 2 what they print is kept, or they are skipped."""
         text = textwrap.dedent(self.text)
-        for attempt in (text, PRINT.sub(r"\1pass", text.expandtabs())):
+        for attempt in (text, *(PRINT.sub(new, text.expandtabs()) for new in (r"\1(\2)", r"\1pass"))):
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # those about the script's own text
@@ -327,7 +329,7 @@ class Evaluator:
             sum(1 for part in body for _ in ast.walk(part)) * len(items or ()) > MAX_STEPS // 2 - self.count
         )
         if items is None or jumps or long:
-            self.uncertain(target, [body], also=target)
+            self.uncertain(target, [body], also=target, items=items)
             return
         for item in items:
             self.assign(target, item, target)
@@ -340,12 +342,27 @@ class Evaluator:
             return list(iterable)
         return None
 
-    def uncertain(self, node: ast.AST, bodies: list[list[ast.stmt]], also: ast.AST | None = None) -> None:
-        """Statements that may run any number of times. Names that they assign have no known value afterwards."""
+    def one_of(self, items: list[Any], text: str) -> Any:
+        """What stands for any of these values."""
+        return Unknown(text)
+
+    def uncertain(
+        self,
+        node: ast.AST,
+        bodies: list[list[ast.stmt]],
+        also: ast.AST | None = None,
+        items: list[Any] | None = None,
+    ) -> None:
+        """Statements that may run any number of times. Names that they assign have no known value afterwards.
+
+        ``also``: the target of a loop over these ``items``.
+        """
         changed = [part for body in bodies for part in body] + ([also] if also is not None else [])
         for part in changed:
             self.forget(part)
         self.repeats += 1
+        if isinstance(also, ast.Name) and items:
+            self.names[also.id] = self.one_of(items, also.id)
         for body in bodies:
             with suppress(Return, Missing):
                 self.block(body)
@@ -437,6 +454,8 @@ class Evaluator:
                 if not isinstance(holds, Unknown | Instance):
                     return self.value(body if holds else other)
                 ends = self.value(body), self.value(other)
+                if [] in ends and all(isinstance(end, list) for end in ends):
+                    return ends[0] or ends[1]  # what may be there counts as there
                 return ends[0] if ends[0] == ends[1] else Unknown(self.source(node))
             case ast.Call():
                 return self.call(node)
@@ -630,6 +649,14 @@ class Evaluator:
                 for argument in arguments
             )
             return LISTS[name](*arguments) if short else Unknown(self.source(node))
+        if (
+            name == "product"
+            and (owner == "itertools" or (owner is None and len(arguments) > 1))
+            and not keywords
+        ):
+            known = all(isinstance(argument, list | tuple | range | str) for argument in arguments)
+            short = known and math.prod(map(count, arguments)) <= MAX_ITEMS
+            return list(itertools.product(*arguments)) if short else Unknown(self.source(node))
         if name == "dict" and owner is None and not arguments and "**" not in keywords:
             return keywords
         if isinstance(owner, dict) and name in ("items", "keys", "values", "get"):
@@ -683,6 +710,7 @@ class Evaluator:
         }
         local |= self.defaults[function]
         self.executed.add(function)
+        self.entered.add(function)
         local |= dict(zip(places, arguments, strict=False)) | dict(keywords)
         outside, self.depth = self.names, self.depth + 1
         changed = {name for node in ast.walk(function) if isinstance(node, ast.Global) for name in node.names}

@@ -17,10 +17,11 @@ from .reader import names
 from .yade_bodies import BodyCalls, body_of, spheres_of
 from .yade_callbacks import CHANGING, FORCE_METHODS, HIDDEN, OF_CONTACTS, PLACED, touches
 from .yade_contacts import SHAPE_NAMES
-from .yade_container import vector
-from .yade_extents import computed, draw, ends_of_space, is_space, moved
+from .yade_container import Ends, is_number, shape_of, vector
+from .yade_container import union as around_all
+from .yade_extents import Drawn, computed, draw, ends_of_space, is_space, moved
 from .yade_filling import volume_of
-from .yade_scene import MATERIALS, Body, Scene
+from .yade_scene import MATERIALS, Body, Push, Scene
 from .yade_stages import DEFAULT_TIME_STEP, add_stage, description
 
 #: The engines of a script that sets none.
@@ -54,6 +55,11 @@ BODIES: Final = Unknown("O.bodies")
 PLAIN: Final = names("print len str repr type dir id list isinstance enumerate sorted")
 #: Where a script revives a dead engine.
 REVIVED: Final = re.compile(r"\.dead\s*=(?!\s*(True|1\b))|setattr")
+IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  #: ``Matrix3.Identity``
+#: Surfaces of triangles.
+SURFACES: Final = ("sweptPolylines2gtsSurface", "Surface")
+#: A body by its number.
+OF_NUMBER: Final = re.compile(r"O\.bodies\[(\w+)\](?:\.state)?")
 #: Most bodies that a loop runs over one by one.
 MAX_BODIES: Final = 1000
 
@@ -76,6 +82,7 @@ class Yade(Evaluator):
         self.names["__name__"] = "__main__"
         self.foreign: set[str] = set()  #: names of modules that are not known
         self.table: dict[str, Any] = {}
+        self.of_spheres: set[str] = set()  #: names of loops over numbers of spheres
         self.scene = Scene(file, part, REVIVED.search(text) is not None, self.instances)
         self.body_calls = BodyCalls(self.scene, self, folder)
         self.scene.engines = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
@@ -140,15 +147,36 @@ class Yade(Evaluator):
             return None if None in known or len(known) < number else known
         return super().items(node)
 
+    def one_of(self, items: list[Any], text: str) -> Any:
+        """A number between the smallest and the largest of these."""
+        numbers = [float(item) for item in items if is_number(item)]
+        known = numbers and len(numbers) == len(items)
+        return Drawn(text, min(numbers), max(numbers)) if known else super().one_of(items, text)
+
     def binary(self, left: Any, sign: ast.operator, right: Any, node: ast.AST) -> Any:
         """An operation, also of numbers drawn at random, centres of spheres, and predicates."""
         value = computed(left, sign, right, self.source(node))
+        for matrix, number in ((left, right), (right, left)):
+            if isinstance(matrix, Instance) and matrix.name == "Matrix3" and is_number(number):
+                parts = flat([matrix.arguments])
+                if isinstance(sign, ast.Mult) and len(parts) == 9 and all(map(is_number, parts)):
+                    scaled = tuple(number * part for part in parts)
+                    return Instance("Matrix3", scaled, {}, matrix.line, self.source(node))
         return super().binary(left, sign, right, node) if value is None else value
+
+    def unary(self, sign: ast.unaryop, value: Any, node: ast.expr) -> Any:
+        """The opposite of a number drawn at random is one as well."""
+        if isinstance(value, Drawn) and isinstance(sign, ast.USub):
+            return Drawn(self.source(node), -value.high, -value.low)
+        return super().unary(sign, value, node)
 
     def compared(self, node: ast.Compare, values: list[Any]) -> Any:
         """A comparison with a value that is not known. A feature that a script asks for is taken to be there."""
         if len(values) == 2 and isinstance(values[1], Unknown) and values[1].text.endswith("features"):
             return isinstance(node.ops[0], ast.In)
+        asks = isinstance(values[0], Unknown) and "libVersions" in values[0].text
+        if asks and isinstance(node.ops[0], ast.GtE):
+            return True
         return super().compared(node, values)
 
     def member(self, owner: Any, name: str, node: ast.Attribute) -> Any:
@@ -162,6 +190,8 @@ class Yade(Evaluator):
                 return list(scene.engines)  # YADE copies it
             if name == "dt" and (scene.time_step is not None or not scene.time_step_given):
                 return scene.time_step or DEFAULT_TIME_STEP
+        if owner == "Matrix3" and name == "Identity":
+            return Instance("Matrix3", IDENTITY, {}, node.lineno, self.source(node))
         if owner in ("table", "params.table", "yade.params.table") and name in self.table:
             return self.table[name]
         if isinstance(owner, Instance) and name in MATERIALS.get(owner.name, {}):
@@ -183,8 +213,23 @@ class Yade(Evaluator):
 
     def assign(self, target: ast.expr, value: Any, node: ast.AST) -> None:
         """Names of the command line keep their values."""
+        if isinstance(target, ast.Subscript) and isinstance(target.value, ast.Attribute):
+            self.part_assigned(target.value, self.value(target.slice), value)
         if not (isinstance(target, ast.Name) and target.id in self.given and self.depth == 0):
             super().assign(target, value, node)
+
+    def part_assigned(self, target: ast.Attribute, place: Any, value: Any) -> None:
+        """A component of a velocity or a place, such as ``b.state.vel[1] = v``."""
+        body, filling = body_of(self.value(target.value)), self.scene.filling
+        if target.attr == "vel":
+            before = filling.velocities.get(id(body), (0.0, 0.0, 0.0))
+            known = place in (0, 1, 2) and is_number(value)
+            parts = [value if k == place else part for k, part in enumerate(before)] if known else None
+            self.scene.changed = True
+            self.velocity_assigned(body, parts)
+        sphere = self.is_sphere(body, ast.unparse(target.value))
+        if target.attr in PLACED and (target.attr == "pos" or not sphere):
+            self.wall_moved(target.attr, None)
 
     def assigned(self, owner: Any, name: str, value: Any, node: ast.AST) -> None:
         """An attribute. A change that may be made or not, or that is not understood, is quoted."""
@@ -192,8 +237,12 @@ class Yade(Evaluator):
         scene.changed = True
         if name == "vel":
             self.velocity_assigned(body, value)
-        if name in PLACED and (name == "pos" or body is None or body.kind != "sphere"):
+        sphere = self.is_sphere(body, owner)
+        if name in PLACED and (name == "pos" or not sphere):
             self.wall_moved(name, value)
+        if name == "vel" and not sphere:
+            place = shape_of(owner) if isinstance(owner, Instance) else None
+            scene.pushed = Push(vector(value), None if place is None else place[0], self.quoted(node))
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell":
@@ -209,8 +258,31 @@ class Yade(Evaluator):
             scene.planar |= is_planar(value)
         elif name in CHANGING:
             scene.weighed |= name == "mass"
+            fixed = name == "blockedDOFs" and isinstance(value, str) and fixes(value)
+            scene.some_fixed |= fixed or (name == "dynamic" and value in (False, 0))
             self.not_understood(node, name)
         super().assigned(owner, name, value, node)
+
+    def loop(self, target: ast.expr, iterable: ast.expr, body: list[ast.stmt]) -> None:
+        """A loop, also one that fixes all bodies, or all spheres."""
+        certain = self.repeats == 0 and not self.scene.elsewhere and self.value(iterable) == BODIES
+        if isinstance(target, ast.Name) and certain and fixes_each(target.id, body):
+            for known in self.scene.bodies:
+                known.frozen = True
+            self.scene.filling.fixed = list(self.scene.filling.census.lots)
+            self.scene.changed = True
+            return
+        if isinstance(target, ast.Name):
+            numbers = self.value(iterable)
+            from_pack = isinstance(numbers, Instance) and numbers.name == "toSimulation"
+            self.of_spheres = self.of_spheres - {target.id} | ({target.id} if from_pack else set())
+        super().loop(target, iterable, body)
+
+    def is_sphere(self, body: Body | None, text: Any) -> bool:
+        """Whether a body is a sphere; one of unknown number, if it is from ``SpherePack.toSimulation``."""
+        if body is None and isinstance(text, str) and (match := OF_NUMBER.fullmatch(text)):
+            return match[1] in self.of_spheres
+        return body is not None and body.kind == "sphere"
 
     def wall_moved(self, name: str, value: Any) -> None:
         """The place or the velocity of a wall, or of an unknown body."""
@@ -315,7 +387,7 @@ class Yade(Evaluator):
             return instance
         if name == "Omega":
             return SCENE
-        if isinstance(owner, Instance) and (is_space(owner) or owner.name == "sweptPolylines2gtsSurface"):
+        if isinstance(owner, Instance) and (is_space(owner) or owner.name in SURFACES):
             return self.space_method(name, owner, instance)
         if (number := draw(name, owner, instance)) is not None:
             return number
@@ -367,6 +439,13 @@ class Yade(Evaluator):
             ]
         if name == "runningInBatch":
             return False
+        around = extent(self.scene) if name in ("aabbExtrema", "spheresPackDimensions") else None
+        if around is not None:
+            low, high = map(Vector, around)
+            if name == "aabbExtrema":
+                return low, high
+            middle, size = Vector(0.5 * (low + high)), Vector(high - low)
+            return {"min": low, "max": high, "center": middle, "extends": size}
         root = owner.partition(".")[0] if isinstance(owner, str) else name if owner is None else ""
         passed = (
             owner is None and name not in PLAIN and any(argument in (SCENE, BODIES) for argument in arguments)
@@ -402,6 +481,8 @@ class Yade(Evaluator):
             owner.extend(arguments[0])
         elif name == "insert" and len(arguments) == 2 and isinstance(arguments[0], int):
             owner.insert(*arguments)
+        elif name == "index" and len(arguments) == 1 and arguments[0] in owner:
+            return owner.index(arguments[0])
         else:
             return Unknown(instance.text)
         if re.search(r"\.engines\.(append|insert|extend)\(", instance.text):
@@ -414,7 +495,10 @@ class Yade(Evaluator):
         if name in ("run", "step"):
             steps = instance.argument(0, "steps", -1) if name == "run" else 1
             count = int(steps) if isinstance(steps, int | float) and 0 <= steps < 1e18 else None
-            add_stage(scene, self, quote, count)
+            try:
+                add_stage(scene, self, quote, count)
+            except ArithmeticError:  # of numbers that no contact has
+                scene.unknown[quote] = None
         elif name in ("load", "loadTmp", "reload"):
             if not scene.load():
                 self.body_calls.from_file(instance)
@@ -453,6 +537,13 @@ def wave_time(scene: Scene, rayleigh: bool) -> float | None:
     return min(times, default=1.0)  # YADE's value before there are spheres
 
 
+def extent(scene: Scene) -> Ends | None:
+    """The ends of all spheres if each is one of known place, or all are in lattices; None if they are not known."""
+    spheres = [body for body in scene.bodies if body.kind == "sphere"]
+    exact = all(body.ends is not None and (body.filled or not body.several) for body in spheres)
+    return around_all([body.ends for body in spheres if body.ends]) if spheres and exact else None
+
+
 def fixes(degrees: str) -> bool:
     """Whether a body cannot move with these blocked degrees of freedom."""
     return set("xyz") <= set(degrees)
@@ -468,6 +559,16 @@ def turns(degrees: str) -> bool:
     spins = {axis for axis in "xyz" if axis.upper() not in degrees}
     fixed = {axis for axis in "xyz" if axis in degrees}
     return not spins if len(fixed) == 3 else len(spins) == 3 or (len(fixed) == 1 and fixed <= spins)
+
+
+def fixes_each(name: str, body: list[ast.stmt]) -> bool:
+    """Whether a loop over bodies of this name only fixes each of them, or each sphere."""
+    if len(body) == 1 and isinstance(body[0], ast.If) and not body[0].orelse:
+        test = ast.unparse(body[0].test)
+        return test == f"isinstance({name}.shape, Sphere)" and fixes_each(name, body[0].body)
+    texts = {ast.unparse(statement) for statement in body}
+    fixing = {f"{name}{state}.blockedDOFs = 'xyzXYZ'" for state in ("", ".state")}
+    return bool(texts) and texts <= fixing | {f"{name}.dynamic = False", f"{name}.dynamic = 0"}
 
 
 def read(

@@ -13,6 +13,17 @@ from .population import union
 from .python import Evaluator, Instance, Unknown, flat
 from .reader import names
 from .statements import refusal
+from .yade_clumps import (
+    LATTICES,
+    LEFT,
+    TIED,
+    Clumped,
+    is_discretized,
+    of_ends,
+    of_lattice,
+    of_packs,
+    of_templates,
+)
 from .yade_container import Ends, vector
 from .yade_container import union as around
 from .yade_extents import Centre, Drawn, around_ball, ends_of_facets, shifted, span
@@ -79,7 +90,8 @@ class BodyCalls:
         elif name in FILES and not (isinstance(owner, str) and owner.partition(".")[0] in READERS):
             self.from_file(instance)
         elif name in CLUMPS or name in OTHER_SHAPES:
-            self.clumps(instance)
+            if name != "clumpTemplate":  # which makes no body
+                self.clumps(instance)
         else:
             return False
         return True
@@ -99,8 +111,10 @@ class BodyCalls:
             if name == "append" and new and scene.body_at(new[-1]):
                 several = isinstance(instance.argument(0, "bodies"), list | tuple)
                 return list(new) if several else new[-1]
+        elif name == "replaceByClumps":
+            self.replaced(instance)
         elif name in CLUMPS or "lump" in name:
-            self.clumps(instance)
+            self.clumps(instance, self.tied(name, instance))
         elif name == "erase":
             scene.filling.census.complete = False
             scene.ignore("bodies that are removed (O.bodies.erase)", quote)
@@ -119,9 +133,14 @@ class BodyCalls:
             scene.filling.census.lots += [body.lot for body in spheres]
             scene.filling.fixed += [body.lot for body in spheres if body.frozen]
             scene.filling.container.spheres += [body.ends for body in spheres if not body.frozen]
+            if isinstance(part, Instance) and not spheres:
+                walls = scene.filling.container.appended.setdefault(instance.text, [])
+                walls.append(ends_of_facets(part, self.folder))
             scene.filling.container.fix([body.ends for body in spheres if body.frozen])
+            scene.filling.container.unsure += [body.ends for body in spheres if body.unsure]
             if clumped and isinstance(part, Instance):
-                self.clumps(replace(part, name="appendClumped"))
+                own = of_lattice(part) if part.name != "sphere" else self.clumped(instance)
+                self.clumps(replace(part, name="appendClumped"), own)
             other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
             if isinstance(part, Unknown | Instance) and not bodies and not other:
                 scene.elsewhere = True
@@ -157,9 +176,10 @@ class BodyCalls:
         fixed, moves = (instance.attributes.get(name) for name in ("fixed", "dynamic"))
         frozen = fixed in (True, 1) or moves in (False, 0)
         material, quote = self.material_of(instance, place), self.scene.at(instance)
-        if not all(isinstance(value, bool | int | None) for value in (fixed, moves)):
+        unsure = not all(isinstance(value, bool | int | None) for value in (fixed, moves))
+        if unsure:
             self.scene.unknown[quote] = None
-        return Body(kind, radii, material, frozen, quote, several=self.script.repeats > 0)
+        return Body(kind, radii, material, frozen, quote, several=self.script.repeats > 0, unsure=unsure)
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
@@ -203,7 +223,10 @@ class BodyCalls:
         else:
             place = 2 if instance.name == "randomDensePack" else -1
             spheres = [self.body(instance, "sphere", size, place) for size in sizes]
-            instance.made += [replace(sphere, several=True, ends=ends_of(instance)) for sphere in spheres]
+            filled = instance.name in LATTICES
+            instance.made += [
+                replace(sphere, several=True, ends=ends_of(instance), filled=filled) for sphere in spheres
+            ]
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
@@ -222,8 +245,10 @@ class BodyCalls:
         elif name in PACK_FILES:
             pack.made.append(None)
         elif name == "makeClumpCloud":
-            self.clumps(instance)
-            pack.made.append(None)
+            templates = flat([instance.argument(2, "clumps")])
+            self.clumps(instance, of_packs(templates, False))
+            sizes = [size for each in templates if isinstance(each, Instance) for size in each.made]
+            pack.made.append(union(sizes))
         elif name == "toSimulation":
             self.to_simulation(pack, instance)
         elif name == "scale":
@@ -246,8 +271,8 @@ class BodyCalls:
         """Where the spheres of a SpherePack are after one of its methods."""
         ends = pack.attributes.setdefault("ends", [])
         by = vector(instance.argument(0, "vector")) if name == "translate" else None
-        if name in MADE:
-            ends.append(ends_of(instance, name))
+        if name in (*MADE, "makeClumpCloud"):
+            ends.append(ends_of(instance, "add" if name == "add" else "makeCloud"))
         elif by is not None:
             ends[:] = [shifted(each, by) for each in ends]
         elif name == "rotate" and None not in ends and ends:
@@ -289,10 +314,47 @@ class BodyCalls:
         scene.filling.census.complete = scene.filling.known = False
         scene.unknown[scene.at(instance)] = None
 
-    def clumps(self, instance: Instance) -> None:
-        self.scene.filling.container.known = False
+    def clumps(self, instance: Instance, own: Clumped | None = None) -> None:
+        """Clumps of these sizes, or shapes of unknown ones."""
+        filling = self.scene.filling
+        filling.container.known &= own is not None
+        filling.clumped = (filling.clumped or Clumped()).with_(own or Clumped())
+        self.scene.counted = min(self.scene.counted, len(self.scene.bodies))  # a clump has a number as well
         what = f"clumps or shapes that are no spheres ({instance.name})"
         self.scene.invalidate(what, self.scene.at(instance))
+
+    def clumped(self, call: Instance) -> Clumped | None:
+        """The clump of the single spheres that a call appends; None if they are not known."""
+        parts = [part for part in flat([*call.arguments]) if isinstance(part, Instance)]
+        bodies = [body for part in parts for body in part.made if isinstance(body, Body)]
+        single = bodies and all(body.kind == "sphere" and not body.several for body in bodies)
+        return of_ends([body.ends for body in bodies], is_discretized(call)) if single else None
+
+    def tied(self, name: str, call: Instance) -> Clumped | None:
+        """The clump that a method of ``O.bodies`` makes; of all spheres if it is not known of which."""
+        if name in LEFT:
+            return Clumped()
+        spheres = [body for body in self.scene.bodies if body.kind == "sphere"]
+        if name not in TIED or self.scene.elsewhere or any(sphere.several for sphere in spheres):
+            return None
+        numbers = call.argument(0, "ids")
+        known = [*map(self.scene.body_at, numbers)] if isinstance(numbers, list | tuple) else []
+        chosen = [body for each in known if (body := body_of(each)) is not None]
+        if name == "addToClump" or not chosen or len(chosen) < len(known):
+            chosen = spheres
+        return of_ends([sphere.ends for sphere in chosen], is_discretized(call))
+
+    def replaced(self, call: Instance) -> None:
+        """``replaceByClumps``: spheres become clumps of the same volume, which reach farther."""
+        filling, own = self.scene.filling, of_templates(call)
+        radii = union([body.radii for body in self.scene.bodies if body.kind == "sphere"])
+        if own is not None and radii is not None and not self.scene.elsewhere:
+            lots, farther = filling.census.lots, max(own.reach - 1.0, 0.0) * radii[1]
+            filling.container.farther = max(filling.container.farther, farther)
+            lots[:] = [lot._replace(cubes=lot.cubes and own.heavier * lot.cubes) for lot in lots]
+            self.clumps(call, own)
+        else:
+            self.clumps(call)
 
 
 def body_of(value: Any) -> Body | None:

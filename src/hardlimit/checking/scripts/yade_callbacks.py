@@ -45,9 +45,18 @@ def touches(part: ast.AST) -> bool:
     return _changes(part, CHANGING - {"dead"}, (".bodies", ".materials"), frozenset())
 
 
-def fills(part: ast.AST) -> bool:
-    """Whether statements change which bodies there are, their masses, or what pulls them, not only their contacts."""
-    return _changes(part, OF_BEDS, (".bodies",), frozenset({"setContactFriction", "erase"}))
+def fills(part: ast.AST, again: bool = False) -> bool:
+    """Whether statements change which bodies there are, their masses, or what pulls them, not only their contacts.
+
+    ``again``: whether the script itself runs them as well, so that it is known where they append bodies.
+    """
+    known = {"append", "appendClumped"} if again else set()
+    return _changes(part, OF_BEDS, (".bodies",), frozenset({"setContactFriction", "erase"} | known))
+
+
+def appends(part: ast.AST) -> bool:
+    """Whether statements append bodies."""
+    return fills(part) and not fills(part, again=True)
 
 
 def _changes(

@@ -30,6 +30,9 @@ SHAPE_NAMES: Final = {"sphere": "Sphere", "facets": "Facet", "walls": "Wall", "b
 #: Radius of a body over that of the sphere that it touches: 1e8 with ``hertzian=True``.
 SIZES: Final = {"facets": 2.0, "walls": 1.0, "boxes": 1.0}
 
+#: Poisson's ratio of an incompressible material.
+LARGEST_RATIO: Final = 0.5
+
 #: Numbers of a contact with the objects that give them.
 Numbers = dict[str, tuple[float, Instance]]
 
@@ -126,6 +129,9 @@ class Contacts:
         if functor is None:
             return None
         contact = Contact(scene, functor, (i, j), wall, kind)
+        if functor.name.startswith("Ip2_FrictMat") and 0.0 in contact.both("young"):
+            scene.ignore("contacts without a force (young=0)", scene.at(functor))
+            return None
         if (scene.used("Law2_") or not scene.apart) and not contact.laws:
             scene.unknown[scene.quote(functor.line, f"{functor.text} without its law")] = None
             return None
@@ -210,6 +216,11 @@ def numbers(contact: Contact) -> Numbers | None:
         return None if mean is None else {"young": (mean, material)}
     first, second = zip(young, contact.both("poisson"), strict=True)
     modulus, ratio = first if first == second else one_material(first, second)
+    if LARGEST_RATIO < ratio < 1.0:  # of no material: the modulus that makes the same spring, E/(1 − ν²)
+        what = f"Poisson's ratio {ratio:g} is that of no material (at most {LARGEST_RATIO:g}), YADE's springs have it"
+        contact.scene.warnings[Note(what, None, contact.scene.at(material))] = None
+        modulus *= (1.0 - LARGEST_RATIO**2) / (1.0 - ratio**2)
+        ratio = LARGEST_RATIO
     values = {"young": (modulus, material), "poisson": (ratio, material)}
     alone = "es" if "es" in functor.attributes else "en"  # which YADE takes for en if that is not given
     for name in ("en", "betan"):

@@ -26,6 +26,9 @@ TURNED: Final = {"orientation", "angleRange", "closeGap", "radiusTopInner", "rad
 #: The bit of the mask of a cylinder for its side.
 SIDE: Final = 4
 
+#: Area of a wall that moves along gravity over that of the bed, up to which it is no piston.
+NARROW: Final = 0.25
+
 Ends = tuple[Direction, Direction]  #: lowest and highest coordinates
 
 
@@ -70,11 +73,14 @@ class Container:
     ends: list[Ends] = field(default_factory=list)  #: of walls and facets
     solid: list[Ends] = field(default_factory=list)  #: of boxes
     bumps: list[Ends] = field(default_factory=list)  #: of spheres that do not move
+    appended: dict[str, list[Ends | None]] = field(default_factory=dict)  #: walls by the text of the call
+    unsure: list[Ends | None] = field(default_factory=list)  #: of spheres some of which may not move
     plain: bool = True  #: whether all walls are such faces and cylinders
     spheres: list[Ends | None] = field(default_factory=list)  #: of each command; None if not known
     known: bool = True  #: whether walls and spheres stay where they are made, or move as in ``moves``
     everywhere: bool = True  #: whether it is known how far all walls reach
     rough: bool = False  #: whether some spheres do not move
+    farther: float = 0.0  #: reach of clumps beyond the spheres that they replace
     moves: list[Direction | None] = field(default_factory=list)  #: velocities of walls; None if not known
     packed: float = (
         0.0  #: largest packing fraction of spheres when they are made, if it may exceed that of a bed
@@ -105,6 +111,18 @@ class Container:
         known = [ends for ends in self.spheres if ends is not None]
         return union(known) if known and len(known) == len(self.spheres) and self.known else None
 
+    def is_narrow(self, text: str, down: Direction) -> bool:
+        """Whether the walls of a call cover at most a part of the area of the spheres, and no bed, across gravity."""
+        space, along, walls = self.around, axis_of(down), self.appended.get(text, [None])
+        known = [ends for ends in walls if ends is not None]
+        if space is None or along is None or len(known) < len(walls) or not known:
+            return False
+        sizes = [
+            math.prod(min(high[k] - low[k], LARGEST) for k in range(3) if k != along[0])
+            for low, high in (union(known), space)
+        ]
+        return sizes[0] <= NARROW * sizes[1]
+
     def fix(self, spheres: list[Ends | None]) -> None:
         """Spheres that do not move."""
         self.rough |= bool(spheres)
@@ -126,9 +144,10 @@ class Container:
         if not self.everywhere:
             ends = [max((sign * face.at for face in self.floors(space, along, cell)), default=math.inf)]
             tops = []
-        bottom = min((*ends, *tops), default=math.inf)
+        unsure = [min(sign * end[k] for end in pair) for pair in self.unsure if pair is not None]
+        bottom = min((*ends, *tops, *unsure), default=math.inf)
         inside = bottom <= lowest + ROUNDING * abs(height)
-        return height - bottom if inside and math.isfinite(height) else None
+        return height + self.farther - bottom if inside and math.isfinite(height) else None
 
     def turned(self, axis: Direction) -> float | None:
         """The diameter of the circle around the axis in which all walls and spheres turn: no bed in them is higher."""
@@ -145,7 +164,8 @@ class Container:
         ):
             return high[0] - low[0]
         squares = [(b - a) ** 2 * (1.0 - t * t) for a, b, t in zip(low, high, along, strict=True)]
-        return math.sqrt(math.fsum(squares)) if math.isfinite(math.fsum(squares)) else None
+        diameter = math.sqrt(math.fsum(squares)) + 2.0 * self.farther
+        return diameter if math.isfinite(diameter) else None
 
     def based(self, down: Direction, cell: Direction) -> bool:
         """Whether a floor covers a periodic cell below all spheres, which do not reach beyond its ends."""
@@ -174,7 +194,7 @@ class Container:
     def floor(self, down: Direction, cell: Direction | None) -> float | None:
         """The area on which all spheres lie, across gravity; None if it is not known. ``cell``: if it is periodic."""
         space, along = self.around, axis_of(down, cell is not None)
-        if space is None or along is None or not self.plain or not self.everywhere:
+        if space is None or along is None or not self.plain or not self.everywhere or self.unsure:
             return None
         k, sign = along
         small = self.small(space)

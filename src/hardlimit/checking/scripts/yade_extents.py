@@ -174,6 +174,10 @@ def ends_of_space(space: Any) -> Ends | None:
         return ends_of_space(space.argument(0, "surface"))
     if name == "sweptPolylines2gtsSurface":
         return ends_of_points(points_in(space.argument(0, "pts")))
+    if name == "Vertex":
+        return ends_of_points([vector(space.arguments)])
+    if name in ("Edge", "Face"):
+        return all_of([*map(ends_of_space, space.arguments)])
     return None
 
 
@@ -194,12 +198,30 @@ def ends_of_points(points: Iterable[Any]) -> Ends | None:
 
 
 def moved(space: Instance, name: str, instance: Instance) -> None:
-    """A method of a surface, which may move it."""
+    """A method of a surface, which may move it or add to it."""
     if name in UNMOVED:
         return
-    by = vector(instance.arguments if len(instance.arguments) == 3 else instance.argument(0, "translation"))
-    ends = ends_of_space(space)
-    space.attributes["ends"] = shifted(ends, by) if name == "translate" and by is not None else None
+    arguments, ends = instance.arguments, ends_of_space(space)
+    by = vector(arguments if len(arguments) == 3 else instance.argument(0, "translation"))
+    after: Ends | None = None
+    if name in ("add", "copy"):  # of a face, or of all faces of a surface
+        empty = space.name == "Surface" and "ends" not in space.attributes
+        after = all_of([*map(ends_of_space, arguments), *([] if empty else [ends])])
+    elif ends is None:
+        after = None
+    elif name == "scale" and by is not None:
+        after = ends_of_points([vector([a * b for a, b in zip(end, by, strict=True)]) for end in ends])
+    elif name == "rotate" and len(arguments) == 4:
+        after = around_ball(ends, (0.0, 0.0, 0.0))
+    elif name == "translate" and by is not None:
+        after = shifted(ends, by)
+    space.attributes["ends"] = after
+
+
+def all_of(parts: Sequence[Ends | None]) -> Ends | None:
+    """The smallest box around all; None if one of them is not known."""
+    known = [part for part in parts if part is not None]
+    return union(known) if known and len(known) == len(parts) else None
 
 
 def around_ball(ends: Ends, centre: Sequence[float] | None = None) -> Ends:

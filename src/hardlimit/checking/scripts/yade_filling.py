@@ -10,8 +10,9 @@ from typing import Any, Final
 
 from . import census
 from .commands import text_of
-from .description import FEW, Contents, Direction, Lot, Range, Speed, Stage
+from .description import DENSEST, FEW, Contents, Direction, Lot, Range, Speed, Stage
 from .python import Instance, flat
+from .yade_clumps import Clumped
 from .yade_container import Container, Ends, axis_of, box_around, is_number, union, vector
 from .yade_extents import ends_of_space, shifted, span
 
@@ -46,13 +47,27 @@ class YadeFilling:
     velocities: dict[int, Direction] = field(default_factory=dict)  #: of single bodies
     known: bool = True  #: whether no velocity is unknown
     container: Container = field(default_factory=Container)
+    clumped: Clumped | None = None  #: the clumps that spheres are in; None if there are none
 
     def contents(self, stage: Stage) -> Contents:
         """What a run has in its cell, and the speeds that are stated for it."""
         volume = math.prod(self.cell) if self.periodic and self.cell else None
         speeds = [*falls(self, stage), *(relative(self) if self.known else ())]
-        lots = self.census.known
-        return Contents(self.census.count, self.census.filled(3), volume, tuple(speeds), lots=lots)
+        return Contents(
+            self.census.count,
+            self.census.filled(3),
+            volume,
+            tuple(speeds),
+            lots=() if self.clumped else self.census.known,
+            concentration=self.clumped.concentration if self.clumped else 1.0,
+        )
+
+    @property
+    def moving(self) -> float | None:
+        """The number of spheres that are not fixed; None if it is not known."""
+        fixed = [lot.number for lot in self.fixed]
+        known = self.census.count is not None and None not in fixed
+        return (self.census.count or 0.0) - math.fsum(number or 0.0 for number in fixed) if known else None
 
     def without_fixed(self, contents: Contents) -> Contents:
         """A bed without the spheres that do not move, of which a few others are no bed."""
@@ -101,7 +116,7 @@ class YadeFilling:
             walled=cell is None or container.rough,
             height=height,
             height_from=source,
-            packed=container.packed,
+            packed=max(container.packed, DENSEST * self.clumped.heavier if self.clumped else 0.0),
             without="what moving walls add" if moving else "",
         )
 

@@ -6,15 +6,15 @@ import copy
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from ...convert.tangential.yade import FRICTION_ANGLE
-from .description import Grains, Lot, Note, Quote, Range
+from .description import Direction, Grains, Lot, Note, Quote, Range
 from .population import union
 from .python import Instance, Unknown, flat
 from .reader import Reader
 from .statements import quoted, refusal
-from .yade_container import Container, Ends
+from .yade_container import Ends
 from .yade_filling import YadeFilling
 
 #: Materials that are read, with the defaults of their numbers.
@@ -40,11 +40,21 @@ class Body:
     quote: Quote
     mass: float | None = None  #: of a box; None for other bodies, and if it is not known
     several: bool = False  #: whether there may be more than one
+    filled: bool = False  #: whether they fill the space between their ends
+    unsure: bool = False  #: whether some of them may not move
     locked: Quote | None = None  #: what keeps it from turning as a free or a fixed sphere does
     planar: bool = False  #: whether it moves in a plane only
     weighed: bool = False  #: whether its mass is set, and is not that of its material
     lot: Lot = UNCOUNTED  #: of spheres: how many, and the sums of their radii
     ends: Ends | None = None  #: of spheres: between which they are made
+
+
+class Push(NamedTuple):
+    """The velocity of a wall, or of an unknown body, that a script sets. None: not known."""
+
+    velocity: Direction | None
+    place: Ends | None
+    quote: Quote
 
 
 @dataclass
@@ -61,6 +71,7 @@ class Scene(Reader):
     bodies: list[Body] = field(default_factory=list)
     elsewhere: bool = False  #: whether there are bodies that are not known
     numbered: int = 0  #: bodies from the first on whose numbers are known
+    counted: float = math.inf  #: at most so many are, since a clump has a number as well
     filling: YadeFilling = field(default_factory=YadeFilling)
     engines: list[Any] = field(default_factory=list)
     engines_quote: Quote | None = None
@@ -68,6 +79,8 @@ class Scene(Reader):
     time_step: float | None = None
     time_step_given: bool = False
     strain: tuple[Any, Quote] | None = None  #: of the periodic cell, as velGrad
+    pushed: Push | None = None  #: the last one
+    some_fixed: bool = False  #: whether some spheres do not move of which it is not known which ones they are
     locked: Quote | None = None  #: what locks bodies of which it is not known which ones they are
     planar: bool = False  #: whether bodies move in a plane only of which it is not known which ones they are
     weighed: bool = False  #: whether masses are set of such bodies
@@ -75,7 +88,7 @@ class Scene(Reader):
     system: int = 0  #: number of the scene
     changed: bool = True  #: whether anything may have changed since the last run
     saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
-    saved_container: Container = field(default_factory=Container)
+    saved_filling: YadeFilling = field(default_factory=YadeFilling)
 
     def __post_init__(self) -> None:
         self.begin()
@@ -107,26 +120,29 @@ class Scene(Reader):
         """Begin another scene, without engines."""
         self.system += 1
         self.materials.clear()
-        self.bodies, self.numbered, self.filling = [], 0, YadeFilling()
+        self.bodies, self.numbered, self.counted, self.filling = [], 0, math.inf, YadeFilling()
         self.engines, self.engines_given, self.engines_quote = [], True, None
         self.elsewhere, self.time_step, self.time_step_given = False, None, False
         self.planar, self.weighed, self.growing = False, False, False
+        self.pushed, self.some_fixed = None, False
 
     def save(self) -> None:
         self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
-        self.saved_container = copy.deepcopy(self.filling.container)
+        self.saved_filling = copy.deepcopy(self.filling)
 
     def load(self) -> bool:
         """The scene that was saved last; False if there is none."""
         if self.saved is None:
             return False
         self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
-        self.numbered, self.filling.container = 0, copy.deepcopy(self.saved_container)
+        self.numbered, saved = 0, copy.deepcopy(self.saved_filling)
+        self.filling.container = saved.container
+        self.filling.clumped = saved.clumped
         return True
 
     def remove_bodies(self) -> None:
         """All bodies; the cell stays."""
-        self.bodies, self.numbered, self.elsewhere = [], 0, False
+        self.bodies, self.numbered, self.counted, self.elsewhere = [], 0, math.inf, False
         self.filling = YadeFilling(cell=self.filling.cell, periodic=self.filling.periodic)
 
     def index(self, material: Instance) -> int:
@@ -141,7 +157,8 @@ class Scene(Reader):
         """A body by its number; None if it is not known which one that is."""
         if not isinstance(k, int) or not -len(self.bodies) <= k < len(self.bodies) or self.elsewhere:
             return None
-        while self.numbered < len(self.bodies) and not self.bodies[self.numbered].several:
+        most = min(len(self.bodies), self.counted)
+        while self.numbered < most and not self.bodies[self.numbered].several:
             self.numbered += 1
         k %= len(self.bodies)
         if k >= self.numbered:
@@ -224,6 +241,8 @@ class Scene(Reader):
             moving = [sphere for sphere in spheres if not sphere.frozen]
             frozen = bool(fixed) and not self.elsewhere and not moving
             kind = self.grains_of(k, fixed if frozen else moving, frozen)
+            if moving and (self.some_fixed or any(sphere.unsure for sphere in moving)):
+                kind = replace(kind, partly_frozen=True)
             if fixed and not frozen:
                 kind = replace(kind, partly_frozen=True, fixed=self.grains_of(k, fixed, True))
             lone = len(moving) == 1 and not moving[0].several and several and not self.elsewhere

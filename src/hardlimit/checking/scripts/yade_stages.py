@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import ast
 import math
+import re
 from dataclasses import replace
+from itertools import combinations
 from typing import Any, Final, TypeGuard
 
-from .description import Contents, Description, Direction, Motion, Note, Quote, Stage
+from .description import FEW, Contents, Description, Direction, Motion, Note, Quote, Stage
 from .motion import STEADY, UNKNOWN, strongest
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import refusal
-from .yade_callbacks import fills, moves, parts_of, uncalled
-from .yade_contacts import Contacts
-from .yade_container import Ends, box_around, is_number, vector
+from .yade_callbacks import appends, fills, moves, parts_of, uncalled
+from .yade_contacts import PHYSICS, Contacts
+from .yade_container import Ends, axis_of, box_around, is_number, union, vector
 from .yade_notes import (
     FLUIDS,
     MOTION,
@@ -34,7 +37,7 @@ PRESSURES: Final = {
     "PeriTriaxController": (("goal",), 0),
     "Peri3dController": (("goal",), 0),
     "TriaxialStressController": (("goal1", "goal2", "goal3"), 7),
-    "ThreeDTriaxialEngine": (("sigma1", "sigma2", "sigma3"), 7),
+    "ThreeDTriaxialEngine": (("goal1", "goal2", "goal3"), 7),
     "PeriIsoCompressor": (("stresses",), 0),
     "TriaxialCompressionEngine": (("sigmaIsoCompaction",), 1),
 }
@@ -42,11 +45,17 @@ PRESSURES: Final = {
 BY_AXIS: Final = ("PeriTriaxController", "Peri3dController", "TriaxialStressController")
 #: Those that make spheres larger unless ``internalCompaction`` is off.
 GROWING: Final = ("TriaxialStressController", "TriaxialCompressionEngine")
+#: The stress that a controller measures.
+MEASURED: Final = re.compile(r"\.stress\(|\.meanStress\b")
+#: Those that know gravity.
+FALLING: Final = ("NewtonIntegrator", "GravityEngine", "RungeKuttaCashKarp54Integrator")
 #: Those that move walls or grains steadily.
 STEADY_MOTION: Final = ("TranslationEngine", "RotationEngine", "HelixEngine")
 #: Those that may leave a bed under its own weight, and the cosine up to which they move across gravity.
 ACROSS: Final = {"TranslationEngine", "RotationEngine", "HarmonicMotionEngine"}
 LEVEL: Final = 1e-6
+#: Most spheres that are looked at in pairs.
+MOST_FALLING: Final = 300
 X_AXIS: Final = (1.0, 0.0, 0.0)  #: of engines that turn, by default
 #: Amplitude and frequency of ``HarmonicMotionEngine``, with their defaults.
 HARMONIC: Final = (("A", (0.0, 0.0, 0.0)), ("f", (0.0, 0.0, 0.0)))
@@ -63,6 +72,10 @@ def description(scene: Scene, script: Evaluator) -> Description:
     callbacks(scene, script)
     described = scene.described()
     granular = any(stage.contacts for stage in described.stages)
+    spheres = [body for body in scene.bodies if body.kind == "sphere"]
+    plain = all(functor.name in PHYSICS for functor in scene.used("Ip2_"))
+    if not granular and plain and spheres and all(body.frozen for body in spheres) and not scene.elsewhere:
+        raise ValueError("script: no grain moves freely")
     if not (granular or described.invalidates or described.unknown):
         raise ValueError("script: has no granular contacts")
     return described
@@ -124,11 +137,19 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     """What a run has in its cell; factories make an unknown number of spheres."""
     contents = scene.filling.contents(stage)
     factories = [*scene.used("BoxFactory"), *scene.used("CircularFactory")]
-    if scene.elsewhere or factories:
+    moving = scene.filling.moving
+    if contents.count is not None and moving is not None and 0 < moving <= FEW < contents.count:
+        contents = replace(contents, count=moving)
+    if scene.elsewhere or factories or any(map(appends, called_back(scene, script) or ())):
         contents = replace(contents, count=None, filled=None)
     if scene.elsewhere or stage.down is None or not has_own_weight(scene, script, stage.down):
         return contents
+    if not factories and fall_apart(scene, stage.down):
+        return replace(contents, never_meet=True)
     sources = [ends_of_factory(factory) for factory in factories]
+    for engine in scene.used("ResetRandomPosition"):  # to one of these facets
+        walls = scene.filling.container.ends if engine.attributes.get("factoryFacets") else []
+        sources.append(union(walls) if walls else None)
     turning = [
         vector(engine.attributes.get("rotationAxis", X_AXIS)) for engine in scene.used("RotationEngine")
     ]
@@ -138,6 +159,24 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     moving = any(velocity is not None and any(velocity) for velocity in scene.filling.container.moves)
     moving = moving or any(scene.used(name) for name in ACROSS)
     return scene.filling.bed(contents, stage.down, sources, next(iter(across), None), moving)
+
+
+def fall_apart(scene: Scene, down: Direction) -> bool:
+    """Whether all bodies are spheres that move beside each other along gravity, and no wall is there."""
+    filling, bodies = scene.filling, scene.bodies
+    along = axis_of(down)
+    single = all(body.kind == "sphere" and not (body.several or body.frozen) for body in bodies)
+    if along is None or not single or not filling.known or filling.periodic or not filling.container.known:
+        return False
+    across = [k for k in range(3) if k != along[0]]
+    velocities = [velocity for velocity in filling.velocities.values() if any(velocity[k] for k in across)]
+    places = [body.ends for body in bodies if body.ends is not None]
+    if velocities or not bodies or len(places) < len(bodies) or len(bodies) > MOST_FALLING:
+        return False
+    return not any(
+        all(first[0][k] < second[1][k] and second[0][k] < first[1][k] for k in across)
+        for first, second in combinations(places, 2)
+    )
 
 
 def is_along(axis: Direction, down: Direction) -> bool:
@@ -152,19 +191,38 @@ def has_own_weight(scene: Scene, script: Evaluator, down: Direction) -> bool:
     """
     engines = {engine.name for engine in scene.used("")}
     forced = any(force_of(name) not in FLUIDS for name in engines)
-    if scene.strain is not None or forced or engines & (MOTION - ACROSS | {"ResetRandomPosition"}):
+    if scene.strain is not None or forced or engines & (MOTION - ACROSS):
         return False
-    axes = [vector(engine.attributes.get("translationAxis")) for engine in scene.used("TranslationEngine")]
+    axes = [
+        vector(engine.attributes.get("translationAxis"))
+        for engine in scene.used("TranslationEngine")
+        if not is_intruder(scene, engine, down)
+    ]
     for move in (*axes, *scene.filling.container.moves):
         if move is None or abs(sum(a * b for a, b in zip(move, down, strict=True))) > LEVEL * math.hypot(
             *move
         ):
             return False
+    parts = called_back(scene, script)
+    if parts is None:
+        return False
+    return not any(
+        fills(part, again=part in script.entered) or moves(part) for part in (*parts, *uncalled(script))
+    )
+
+
+def is_intruder(scene: Scene, engine: Instance, down: Direction) -> bool:
+    """Whether an engine moves walls that are much narrower than the bed: the rest of it bears its own weight."""
+    moved = engine.attributes.get("ids")
+    return isinstance(moved, Unknown) and scene.filling.container.is_narrow(moved.text, down)
+
+
+def called_back(scene: Scene, script: Evaluator) -> list[ast.AST] | None:
+    """What the engines run: functions and commands; None if it is not known."""
     commands = [engine.argument(0, "command", "") for engine in scene.used("PyRunner")]
     if not all(isinstance(command, str) for command in commands):
-        return False
-    parts = [part for command in commands for part in parts_of(script, command)]
-    return not any(fills(part) or moves(part) for part in (*parts, *uncalled(script)))
+        return None
+    return [part for command in commands for part in parts_of(script, command)]
 
 
 def ends_of_factory(factory: Instance) -> Ends | None:
@@ -199,7 +257,7 @@ def damping(scene: Scene) -> float | None:
 
 def weight(scene: Scene) -> tuple[float | None, Direction | None]:
     """The magnitude and the direction of gravity."""
-    for engine in [*scene.used("NewtonIntegrator"), *scene.used("GravityEngine")]:
+    for engine in [engine for name in FALLING for engine in scene.used(name)]:
         gravity = engine.attributes.get("gravity")
         if are_numbers(gravity):
             size = math.hypot(*gravity)
@@ -213,6 +271,7 @@ def driving(scene: Scene) -> tuple[tuple[Note, ...], tuple[Note, ...], float | N
     """What presses the grains, what else drives them, and the shear rate."""
     pressing = [engine for engine in scene.used("") if engine.name in PRESSING]
     pressed = tuple(Note(engine.name, None, scene.at(engine)) for engine in pressing)
+    pressed += squeezing(scene)
     if scene.strain is None:
         return pressed, (), None
     value, quote = scene.strain
@@ -241,8 +300,32 @@ def grows(scene: Scene) -> bool:
     return bool(growing)
 
 
+def squeezing(scene: Scene) -> tuple[Note, ...]:
+    """A wall that moves towards another one, with all spheres between them, and no gravity that makes them a bed."""
+    container, push = scene.filling.container, scene.pushed
+    space = container.around
+    if push is None or push.velocity is None or space is None or weight(scene)[0] is not None:
+        return ()
+    axes = [k for k, part in enumerate(push.velocity) if part]
+    if len(axes) != 1:
+        return ()
+    (k,), small = axes, container.small(space)
+    places = [face.at for face in container.faces if face.axis == k]
+    below, above = (
+        any(sign * at >= sign * end[k] - small for at in places)
+        for sign, end in zip((-1.0, 1.0), space, strict=True)
+    )
+    away = push.place is not None and (push.place[0][k] > space[0][k] + small) == (push.velocity[k] > 0.0)
+    if not (below and above) or away:
+        return ()
+    return (Note("walls that move against grains", None, push.quote),)
+
+
 def pressure(scene: Scene) -> float | None:
     """The pressure that a controller prescribes; None if there is none or several, or if it is not known."""
+    servos = scene.used("ServoPIDController")
+    if servos:
+        return pressure_of_servo(scene, servos)
     engines = [engine for engine in scene.used("") if engine.name in PRESSURES]
     engines = [engine for engine in engines if is_active(engine)] or engines
     planar = scene.planar or any(sphere.planar for sphere in scene.spheres())
@@ -250,16 +333,24 @@ def pressure(scene: Scene) -> float | None:
         return None
     engine = engines[0]
     names, mask = PRESSURES[engine.name]
-    values = flat([engine.attributes.get(name) for name in names])
+    old = {name: engine.attributes.get(name.replace("goal", "sigma")) for name in names}  # in older versions
+    values = flat([engine.attributes.get(name, old[name]) for name in names])
     mask = engine.attributes.get("stressMask", mask)
     if engine.name == "ThreeDTriaxialEngine":
         controlled = [engine.attributes.get(f"stressControl_{k}", True) for k in (1, 2, 3)]
         mask = sum(1 << k for k, value in enumerate(controlled) if value in (True, 1))
+        if engine.attributes.get("internalCompaction") in (True, 1):
+            mask = 7  # grains grow until the mean stress is that of all three
     if engine.name == "PeriIsoCompressor":
         values, mask = values[-1:], 1
     if not isinstance(mask, int):
         return None
     values = [value for k, value in enumerate(values[:3]) if mask >> k & 1]
+    before = scene.stages[-1] if scene.stages and scene.stages[-1].system == scene.system else None
+    if any(isinstance(value, Unknown) and MEASURED.search(value.text) for value in values):
+        # It keeps the stress that it has reached.
+        same = before is not None and any(note.what == engine.name for note in before.pressed)
+        return before.pressure if before is not None and same else None
     if not values or not are_numbers(values) or any(isinstance(x, bool) for x in values):
         return None
     return abs(math.fsum(values)) / len(values) or None
@@ -269,7 +360,16 @@ def uniaxial(scene: Scene) -> bool:
     """Whether a controller prescribes one of three stresses."""
     engines = [engine for engine in scene.used("") if engine.name in BY_AXIS and is_active(engine)]
     masks = [engine.attributes.get("stressMask", PRESSURES[engine.name][1]) for engine in engines]
-    return bool(masks) and all(mask in (1, 2, 4) for mask in masks)
+    return all(mask in (1, 2, 4) for mask in masks) and bool(masks or scene.used("ServoPIDController"))
+
+
+def pressure_of_servo(scene: Scene, servos: list[Instance]) -> float | None:
+    """The target force of a servo on what closes a cylinder, over the area of this; None if one is not known."""
+    force, axis = servos[0].attributes.get("target"), vector(servos[0].attributes.get("axis"))
+    areas = [cylinder.area for cylinder in scene.filling.container.cylinders]
+    if force is None or not is_number(force) or len(servos) > 1 or not areas or axis is None or any(axis[:2]):
+        return None
+    return abs(float(force)) / max(areas) or None
 
 
 def motion(scene: Scene, down: Direction | None) -> Motion | None:
