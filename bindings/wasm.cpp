@@ -72,8 +72,8 @@ int restitution_parameter(const hl::LawRecord& law, int alternative) {
 }
 int alternative() { return static_cast<int>(request[1]); }
 
-// Contact j of a column. The last ones are kept: those of the viscoelastic law take longer than the rest of a point of a
-// map, and along an axis of the map they are the same.
+// Contact j of a column. The last ones are kept: along an axis of a map many are the same, and those of the viscoelastic
+// law take longer to build than the rest of a point.
 template <class Law>
 const Law& contact_of(int j, const double* parameters, const hl::PairGeometry& pair) {
     using Inputs = std::array<double, 3 + hl::max_parameters>;
