@@ -72,8 +72,8 @@ int restitution_parameter(const hl::LawRecord& law, int alternative) {
 }
 int alternative() { return static_cast<int>(request[1]); }
 
-// Contact j of a column. The last ones are kept: along an axis of a map many are the same, and those of the viscoelastic
-// law take longer to build than the rest of a point.
+// Contact j of a column. The last ones are kept: along an axis of a map many are the same, and to build those of the
+// viscoelastic law takes longer than the rest of a point.
 template <class Law>
 const Law& contact_of(int j, const double* parameters, const hl::PairGeometry& pair) {
     using Inputs = std::array<double, 3 + hl::max_parameters>;

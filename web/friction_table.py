@@ -13,7 +13,7 @@ from hardlimit.boxes.frictional_error import Setting
 
 DIMENSION = 2
 #: Values of the table: ε, μ (below the first one in proportion), k_t/k_n.
-RESTITUTION = [0.4, 0.55, 0.7, 0.8, 0.9, 0.95, 1.0]
+RESTITUTION = [0.4, 0.55, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0]
 COEFFICIENT = [error_law.WEAK, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0]
 RATIO = [0.2, 2 / 7, 0.36, 0.45, 0.6, 0.72, 0.85, 1.02, 1.2]
 
