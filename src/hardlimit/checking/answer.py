@@ -170,7 +170,12 @@ def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
     value = worst.frictionless_error or 0.0
     way = WAYS[question.quantity][value < 0.0]
     without = "; without it, it" if question.quantity == "cooling" else "; without friction, it"
-    return f"{text}{without} is about {percent(abs(value))} ({way}) at {_numbers(worst)}"
+    return f"{text}{without} is {_about(value)} ({way}) at {_numbers(worst)}"
+
+
+def _about(error: float) -> str:
+    """A relative error of which only the size counts."""
+    return f"about {percent(abs(error))}" if error < 9.0 else "more than ten times"
 
 
 def _known_only(question: Question) -> str:
@@ -200,7 +205,7 @@ def _with_friction(known: Sequence[CheckedContact], question: Question) -> str:
     without = ""
     if value is not None:
         way = WAYS[question.quantity][value < 0.0]
-        without = f"; without, it {'cools' if cools else 'is'} about {percent(abs(value))} {way}"
+        without = f"; without, it {'cools' if cools else 'is'} {_about(value)} {way}"
     beyond = next(
         (f" Less is known of these grains: {row.extrapolated}." for row in known if row.extrapolated), ""
     )
