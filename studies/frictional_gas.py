@@ -111,6 +111,10 @@ def predicted() -> Iterator[Point]:
     yield _point(0.02, 0.9, 0.5, 1.0)
     for phi in (0.05, 0.5):
         yield _point(phi, 0.9, 0.5, 1.0, law="viscoelastic")
+    # k_t/k_n = 0.9, also with 0.3 of the critical damping of the tangential spring
+    yield _point(0.2, 0.9, 0.5, 3.15)
+    yield _point(0.5, 0.9, 0.5, 3.15)
+    yield _point(0.2, 0.7, 0.5, 3.15, damping=1.35)
 
 
 def replicas(point: Point) -> int:
