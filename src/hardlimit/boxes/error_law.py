@@ -197,7 +197,7 @@ class ErrorLaw:
     heated_change: float = field(
         default=math.nan, repr=False
     )  #: by friction, of ln T of a heated gas per t_c ν
-    setting: frictional_error.Setting | None = field(
+    _setting: frictional_error.Setting | None = field(
         default=None, repr=False
     )  #: the grains with friction, at least WEAK
 
@@ -310,9 +310,9 @@ class ErrorLaw:
 
     def _viscosity_change(self) -> float:
         """By how much friction changes the error of the viscosity over t_c ν; 0 for smooth spheres."""
-        if self.smooth is None or self.setting is None or self.friction is None:
+        if self.smooth is None or self._setting is None or self.friction is None:
             return 0.0
-        setting, gas = self.setting, fluid(3, self.packing_fraction)
+        setting, gas = self._setting, fluid(3, self.packing_fraction)
         state = frictional_error.heated_state(setting, 1.0 + (LINEAR.damping + 1.0) / LINEAR.energy)
         if state is None:
             return math.nan
@@ -544,7 +544,7 @@ def with_friction(
         temperature_ratio=terms.temperature_ratio,
         smooth=smooth,
         heated_change=scale * _heated_change(smooth, strong, law, delayed),
-        setting=strong,
+        _setting=strong,
     )
 
 

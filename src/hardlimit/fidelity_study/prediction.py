@@ -149,7 +149,7 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
         return Prediction(reason=f"the law of the error of shear is not that of {reason}")
     value = law.sheared_errors(at).temperature
     bar = (1.0 + value) * math.hypot(law.error_bar(at), SHEAR_BAR * at)
-    outside = "" if law.setting is None else law.setting.outside_driven(law.packing_fraction, sheared=True)
+    outside = "" if law._setting is None else law._setting.outside_driven(law.packing_fraction, sheared=True)
     return Prediction(value, bar, extrapolated=outside or law.extrapolated)
 
 
