@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import hardlimit as hl
+from hardlimit.checking import at_rest
 from hardlimit.checking.scripts.yade import read
 
 SCRIPT = """from yade import geom, pack
@@ -71,6 +72,27 @@ def test_a_servo_on_the_lid_of_a_cylinder_has_its_force_over_the_area():
     assert said(CLOUD + lid, engine=servo).pressure == pytest.approx(50.0 / area)
     for change in (("[0, 0, 1]", "[0, 1, 0]"), ("50.0", "force_of_a_file"), ("target=50.0, ", "")):
         assert said(CLOUD + lid, engine=servo.replace(*change)).pressure is None
+
+
+def test_one_pressed_axis_bears_more_than_the_mean():
+    """Stresses across are smaller under a lid, and under one controlled stress unless grains grow from all sides."""
+    wall = "O.bodies.append(geom.facetCylinder((0, 0, 0.05), 0.03, 0.1, segmentsNumber=20, wallMask={}))\n"
+    lid = f"{CLOUD}{wall.format(6)}lid = {wall.format(1)}"
+    servo = "ServoPIDController(axis=[0, 0, 1], maxVelocity=1, ids=lid, target=50.0, kP=1, kI=1, kD=1)"
+    cell = (
+        "TriaxialStressController(goal1=-1e4, goal2=-1e4, goal3=-1e4, stressMask=1, internalCompaction=False)"
+    )
+    for bodies, engine, share in (
+        (lid, servo, at_rest.UNIAXIAL[True]),
+        (CLOUD, cell, at_rest.UNIAXIAL[True]),
+        (CLOUD, cell.replace("stressMask=1", "stressMask=7"), 1.0),
+        (CLOUD, cell.replace("=False", "=True"), 1.0),
+    ):
+        text = script(bodies, "", engine)
+        state = hl.check(text).state
+        assert state.overlap == pytest.approx(
+            share * hl.check(text, pressure=state.pressure).state.overlap, rel=0.02
+        )
 
 
 WALLS = "low = O.bodies.append(wall(0, axis=2))\ntop = wall(0.1, axis=2)\nO.bodies.append(top)\n"

@@ -291,13 +291,17 @@ def driving(scene: Scene) -> tuple[tuple[Note, ...], tuple[Note, ...], float | N
 
 def grows(scene: Scene) -> bool:
     """Whether a controller makes the spheres larger until they are under its pressure."""
-    engines = [engine for name in GROWING for engine in scene.used(name) if is_active(engine)]
     growing = [
-        engine for engine in engines if engine.attributes.get("internalCompaction", True) not in (False, 0)
+        engine for name in GROWING for engine in scene.used(name) if is_active(engine) and enlarges(engine)
     ]
     for engine in growing:
         scene.ignore("radii that grow (internalCompaction)", scene.at(engine))
     return bool(growing)
+
+
+def enlarges(engine: Instance) -> bool:
+    """Whether a controller makes the spheres larger, from all sides alike."""
+    return engine.name in GROWING and engine.attributes.get("internalCompaction", True) not in (False, 0)
 
 
 def squeezing(scene: Scene) -> tuple[Note, ...]:
@@ -358,7 +362,9 @@ def pressure(scene: Scene) -> float | None:
 
 def uniaxial(scene: Scene) -> bool:
     """Whether a controller prescribes one of three stresses."""
-    engines = [engine for engine in scene.used("") if engine.name in BY_AXIS and is_active(engine)]
+    engines = [engine for name in BY_AXIS for engine in scene.used(name) if is_active(engine)]
+    if any(map(enlarges, engines)):
+        return False
     masks = [engine.attributes.get("stressMask", PRESSURES[engine.name][1]) for engine in engines]
     return all(mask in (1, 2, 4) for mask in masks) and bool(masks or scene.used("ServoPIDController"))
 
