@@ -89,9 +89,12 @@ function faultsOfWidth() {
 }
 
 // In the page: code that is cut at the right, and panels of the explorer that are higher or wider than their frame.
+// Lines that do not wrap have at most 90 letters: more fit or not with the font of the machine.
 async function faultsOfBlocks() {
+  const isTooLong = (e) =>
+    getComputedStyle(e).whiteSpace === "pre" && e.innerText.split("\n").some((line) => line.length > 90);
   const faults = [...document.querySelectorAll("article pre")]
-    .filter((e) => e.scrollWidth > e.clientWidth + 1)
+    .filter((e) => e.scrollWidth > e.clientWidth + 1 || isTooLong(e))
     .map((e) => "a block of code is cut: " + e.innerText.slice(0, 60));
   for (const frame of document.querySelectorAll("article iframe")) {
     frame.loading = "eager";
