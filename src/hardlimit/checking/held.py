@@ -13,6 +13,7 @@ from .options import CHOSEN_SPEEDS, Options
 from .scripts import Stage
 from .scripts.clumps import STYLE as MULTISPHERE
 from .scripts.description import FEW
+from .stated import SUPPOSED
 from .supplied import SCALES
 from .systems import System
 from .units import unit_of
@@ -64,12 +65,16 @@ def in_script(
 
 
 def bounces(final: System, others: str) -> bool:
-    """Whether nothing dissipates in the last run, so that no grain comes to rest; one alone rubs at no other."""
+    """Whether nothing dissipates in the last run, so that no grain comes to rest.
+
+    One grain or two go on to bounce where they rub as well: friction takes nothing from head-on collisions.
+    """
     newest = max((row.stage for row in final.rows), default=0)
     rows = [row for row in final.rows if row.stage == newest]
-    alone = final.last.contents.count == 1.0
+    count = final.last.contents.count
+    few = count is not None and count <= FEW
     elastic = (1.0 - drive.ELASTIC < (row.restitution or 0.0) <= 1.0 + drive.ELASTIC for row in rows)
-    return bool(rows) and not others and all(elastic) and (alone or not any(map(rubs, rows)))
+    return bool(rows) and not others and all(elastic) and (few or not any(map(rubs, rows)))
 
 
 def rubs(row: CheckedContact) -> bool:
@@ -94,7 +99,8 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
     if count is not None and 0 <= count <= FEW:
-        state = few.with_contact(grains, around.cases, count, speed, stage.time_step, not speeds)
+        usual = not final.options.speeds and any(number.source == SUPPOSED for number in final.inferred)
+        state = few.with_contact(grains, around.cases, count, speed, stage.time_step, usual or not speeds)
     elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
         gas, stream = final.gas, stage.contents.stream
         bound = stream is not None and gas.packing_fraction is None and not final.options.speeds

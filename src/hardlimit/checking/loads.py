@@ -25,6 +25,8 @@ from .supplied import SCALES
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
 BY_SCRIPT: Final = "as the script says"
+#: Largest mean of the stresses over that along two axes while the third one is compressed: K_PLACEHOLDER
+SHEARED: Final = 2.0
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -143,7 +145,7 @@ def load_of(
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
-    load = replace(load, uniaxial=stage.uniaxial and load.origin == BY_SCRIPT)
+    load = replace(load, uniaxial=stage.uniaxial and load.origin.startswith(BY_SCRIPT))
     by_script = stage.pressed or stage.pressure is not None or around.barostat
     settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
     known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks
@@ -178,7 +180,9 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.pressure is not None:
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
-        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": BY_SCRIPT}
+        origin = BY_SCRIPT + f"; up to {SHEARED:g} times that while one axis is compressed" * stage.strained
+        origin += ", until a callback changes it" * stage.pressure_changes
+        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": origin}
     if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope

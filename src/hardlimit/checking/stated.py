@@ -15,6 +15,8 @@ from .supplied import SCALES
 
 #: Fewest grains whose packing is taken as that of a gas.
 FEWEST: Final = 20
+#: Where a speed comes from that is only usual for what rests.
+SUPPOSED: Final = "√(g d) of grains at rest"
 
 
 def packing_fraction(stage: Stage) -> Inferred | None:
@@ -66,4 +68,4 @@ def resting(stage: Stage) -> Iterator[Speed]:
         and radii
         and len(radii) == sum(not kind.frozen for kind in stage.grains.values())
     ):
-        yield Speed(math.sqrt(2.0 * max(radii) * stage.gravity), "√(g d) of grains at rest")
+        yield Speed(math.sqrt(2.0 * max(radii) * stage.gravity), SUPPOSED)

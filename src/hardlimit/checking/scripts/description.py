@@ -186,6 +186,8 @@ class Stage:
     pressed: tuple[Note, ...] = ()  #: what prescribes a pressure or shrinks the box
     pressure: float | None = None  #: that is prescribed: the mean over the axes
     uniaxial: bool = False  #: whether it is prescribed along one axis alone
+    strained: bool = False  #: whether the grains are compressed along another axis at a given rate
+    pressure_changes: bool = False  #: whether a callback of the run changes it
     edges: tuple[float | None, ...] = (None, None, None)  #: of the box
     driven: tuple[Note, ...] = ()  #: what else moves the box or its walls, or heats the grains
     shear_rate: float | None = None  #: of a box in steady shear

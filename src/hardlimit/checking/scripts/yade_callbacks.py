@@ -6,9 +6,9 @@ import ast
 import re
 import textwrap
 from collections.abc import Collection
-from typing import Final
+from typing import Any, Final
 
-from .python import Evaluator
+from .python import Evaluator, Instance
 from .reader import names
 
 #: Attributes that change only tangential forces.
@@ -25,7 +25,7 @@ setCohesionOnNewContacts hertzian functors SPHmode
 CHANGING: Final = (
     OF_CONTACTS
     | TANGENTIAL
-    | names("density densityScaling gravity radius mass dynamic blockedDOFs dt active dead")
+    | names("density densityScaling gravity radius mass dynamic blockedDOFs dt active dead velGrad")
 )
 #: Calls that change bodies, or add forces to those of contacts.
 FORCE_METHODS: Final = names("addF setPermF addForce addT setPermT addTorque addMove addRot")
@@ -34,6 +34,11 @@ TOUCHING: Final = FORCE_METHODS | names(
 )
 #: Attributes that change what presses a bed.
 OF_BEDS: Final = names("engines gravity radius mass density densityScaling dynamic blockedDOFs")
+#: Attributes that change the stresses that a controller prescribes, or the axes along which it does.
+OF_STRESSES: Final = names("""
+goal goal1 goal2 goal3 sigma1 sigma2 sigma3 stressMask stresses sigmaIsoCompaction sigmaLateralConfinement
+stressControl_1 stressControl_2 stressControl_3 target
+""")
 #: Functions that run a text that is not read.
 HIDDEN: Final = ("exec", "execfile", "runpy", "run_path", "run_module", "import_module", "__import__")
 #: Attributes of states: of walls, they move them.
@@ -76,8 +81,23 @@ def _changes(
 
 def moves(part: ast.AST) -> bool:
     """Whether statements set places or velocities of bodies."""
+    return _sets(part, PLACED)
+
+
+def stresses(part: ast.AST) -> bool:
+    """Whether statements set the stresses that a controller prescribes."""
+    return _sets(part, OF_STRESSES)
+
+
+def _sets(part: ast.AST, attributes: Collection[str]) -> bool:
     targets = [node for node in ast.walk(part) if isinstance(node, ast.Attribute)]
-    return any(node.attr in PLACED and isinstance(node.ctx, ast.Store) for node in targets)
+    return any(node.attr in attributes and isinstance(node.ctx, ast.Store) for node in targets)
+
+
+def commands_of(engine: Instance) -> list[Any]:
+    """What an engine runs: the command of a PyRunner, and what a controller runs when it is done."""
+    hooks = [value for name, value in engine.attributes.items() if name.endswith("Hook") and value]
+    return [engine.argument(0, "command", ""), *hooks] if engine.name == "PyRunner" else hooks
 
 
 def parts_of(script: Evaluator, command: str) -> list[ast.AST]:

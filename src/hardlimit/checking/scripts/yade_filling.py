@@ -63,6 +63,11 @@ class YadeFilling:
         )
 
     @property
+    def is_few(self) -> bool:
+        """Whether there are so few spheres that each contact counts."""
+        return self.census.count is not None and self.census.count <= FEW
+
+    @property
     def moving(self) -> float | None:
         """The number of spheres that are not fixed; None if it is not known."""
         fixed = [lot.number for lot in self.fixed]
@@ -237,13 +242,17 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
 
 
 def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
-    """The speed with which the highest sphere reaches the highest obstacle below it."""
+    """The speed with which the highest sphere reaches the highest obstacle below it.
+
+    For few spheres, fixed ones are obstacles, too; among many they may be those of side walls.
+    """
     along = axis_of(stage.down or ())
     if along is None or not stage.gravity:
         return
     k, sign = along
     tops = [max(sign * low[k], sign * high[k]) - radius for low, high, radius in filling.places]
-    ends = [max(sign * low[k], sign * high[k]) for low, high in filling.floors]
+    obstacles = [*filling.floors, *(filling.container.bumps if filling.is_few else [])]
+    ends = [max(sign * low[k], sign * high[k]) for low, high in obstacles]
     for top in tops:
         below = [end for end in ends if end < top]
         if below and math.isfinite(top - max(below)):
@@ -253,8 +262,15 @@ def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
 
 
 def relative(filling: YadeFilling) -> Iterator[Speed]:
-    """The largest relative velocity of bodies whose velocities are set, and of those at rest."""
+    """The largest relative velocity of bodies whose velocities are set, and of those at rest.
+
+    That of one sphere beside flat walls which all lie across one axis is that along it: it slides along them.
+    """
     velocities = [*filling.velocities.values(), (0.0, 0.0, 0.0)]
+    across = {axis for axis in range(3) for low, high in filling.floors if low[axis] == high[axis]}
+    flat = all(any(low[axis] == high[axis] for axis in across) for low, high in filling.floors)
+    if filling.census.count == 1.0 and len(across) == 1 and flat:
+        velocities = [tuple(v * (k in across) for k, v in enumerate(each)) for each in velocities]
     largest = max(math.dist(a, b) for a in velocities for b in velocities)
     if largest > 0.0:
         yield Speed(largest, "the velocities that are set")

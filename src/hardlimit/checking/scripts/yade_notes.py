@@ -8,7 +8,7 @@ from typing import Final
 from .description import Note, Stage
 from .python import Evaluator, Instance
 from .reader import names
-from .yade_callbacks import parts_of, touches, uncalled
+from .yade_callbacks import commands_of, parts_of, touches, uncalled
 from .yade_contacts import PHYSICS, UNDAMPED_LAWS
 from .yade_scene import MATERIALS, Scene, is_active
 
@@ -90,15 +90,15 @@ def notes(scene: Scene, script: Evaluator) -> None:
         if strange:
             scene.unknown[quote] = None
             scene.refuse(quote, f"have known words, not {', '.join(sorted(strange))}")
+        if instance in scene.engines:
+            runner_note(scene, script, instance)
         if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
             contact_note(scene, instance)
         elif name in MOTION:
             scene.ignore(f"prescribed motion ({name})", quote)
         elif name == "GlobalStiffnessTimeStepper" and is_active(instance):
             scene.ignore("a time step that adapts (GlobalStiffnessTimeStepper)", quote)
-        elif name == "PyRunner":
-            runner_note(scene, script, instance)
-        elif instance in scene.engines:
+        elif instance in scene.engines and name != "PyRunner":
             what = force_of(name)
             if what:
                 scene.invalidate(f"{what} ({name})", quote)
@@ -129,10 +129,8 @@ def contact_note(scene: Scene, instance: Instance) -> None:
 
 def runner_note(scene: Scene, script: Evaluator, runner: Instance) -> None:
     """A callback that changes contacts or grains."""
-    command = runner.argument(0, "command", "")
-    if not isinstance(command, str):
-        return
-    parts = parts_of(script, command)
+    commands = [command for command in commands_of(runner) if isinstance(command, str)]
+    parts = [part for command in commands for part in parts_of(script, command)]
     script.executed |= {part for part in parts if isinstance(part, ast.FunctionDef)}
     if any(map(touches, parts)):
         scene.unknown[scene.at(runner)] = None
@@ -161,12 +159,12 @@ ON_SPINS: Final = "acts on spins as well, along each axis"
 def damping_note(scene: Scene, stage: Stage) -> None:
     """What the damping of the integrator does to friction."""
     damping = stage.numerical_damping
+    for note in [note for note in scene.warnings if ON_SPINS in note.what]:
+        del scene.warnings[note]  # of a run before
     if damping and any(contact.friction != 0.0 for contact in stage.contacts):
         integrators = scene.used("NewtonIntegrator")
         quote = scene.at(integrators[-1]) if integrators else None
         what = f"the damping {damping:g} of NewtonIntegrator {ON_SPINS}"
-        for note in [note for note in scene.warnings if ON_SPINS in note.what]:
-            del scene.warnings[note]  # of a run before
         scene.warnings[Note(f"{what}: β is without it", None, quote)] = None
 
 

@@ -13,7 +13,7 @@ from .description import FEW, Contents, Description, Direction, Motion, Note, Qu
 from .motion import STEADY, UNKNOWN, strongest
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import refusal
-from .yade_callbacks import appends, fills, moves, parts_of, uncalled
+from .yade_callbacks import appends, commands_of, fills, moves, parts_of, stresses, uncalled
 from .yade_contacts import PHYSICS, Contacts
 from .yade_container import Ends, axis_of, box_around, is_number, union, vector
 from .yade_notes import (
@@ -43,6 +43,8 @@ PRESSURES: Final = {
 }
 #: Those with a bit of ``stressMask`` for each axis.
 BY_AXIS: Final = ("PeriTriaxController", "Peri3dController", "TriaxialStressController")
+#: The axis that is left out where two axes have their bits.
+BUT_ONE: Final = {6: 0, 5: 1, 3: 2}
 #: Those that make spheres larger unless ``internalCompaction`` is off.
 GROWING: Final = ("TriaxialStressController", "TriaxialCompressionEngine")
 #: The stress that a controller measures.
@@ -70,6 +72,8 @@ def description(scene: Scene, script: Evaluator) -> Description:
         add_stage(scene, script, quote, None)
     notes(scene, script)
     callbacks(scene, script)
+    if scene.stages and any(map(stresses, called_back(scene, script) or ())):
+        scene.stages[-1] = replace(scene.stages[-1], pressure_changes=True)
     described = scene.described()
     granular = any(stage.contacts for stage in described.stages)
     spheres = [body for body in scene.bodies if body.kind == "sphere"]
@@ -127,6 +131,7 @@ def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
         pressed=pressed,
         pressure=pressure(scene),
         uniaxial=uniaxial(scene),
+        strained=strained(scene),
         driven=driven,
         shear_rate=shear_rate,
         system=scene.system,
@@ -219,7 +224,7 @@ def is_intruder(scene: Scene, engine: Instance, down: Direction) -> bool:
 
 def called_back(scene: Scene, script: Evaluator) -> list[ast.AST] | None:
     """What the engines run: functions and commands; None if it is not known."""
-    commands = [engine.argument(0, "command", "") for engine in scene.used("PyRunner")]
+    commands = [command for engine in scene.used("") for command in commands_of(engine)]
     if not all(isinstance(command, str) for command in commands):
         return None
     return [part for command in commands for part in parts_of(script, command)]
@@ -330,12 +335,33 @@ def pressure(scene: Scene) -> float | None:
     servos = scene.used("ServoPIDController")
     if servos:
         return pressure_of_servo(scene, servos)
+    engine = controller(scene)
+    planar = scene.planar or any(sphere.planar for sphere in scene.spheres())
+    if engine is None or planar:  # one layer of spheres carries what the script has over the whole cell
+        return None
+    goals, mask = goals_of(engine)
+    if mask is None:
+        return None
+    values = [value for k, value in enumerate(goals) if mask >> k & 1]
+    before = scene.stages[-1] if scene.stages and scene.stages[-1].system == scene.system else None
+    if any(isinstance(value, Unknown) and MEASURED.search(value.text) for value in values):
+        # It keeps the stress that it has reached.
+        same = before is not None and any(note.what == engine.name for note in before.pressed)
+        return before.pressure if before is not None and same else None
+    if not values or not are_numbers(values) or any(isinstance(x, bool) for x in values):
+        return None
+    return abs(math.fsum(values)) / len(values) or None
+
+
+def controller(scene: Scene) -> Instance | None:
+    """The controller of stresses; None if there is none, or several."""
     engines = [engine for engine in scene.used("") if engine.name in PRESSURES]
     engines = [engine for engine in engines if is_active(engine)] or engines
-    planar = scene.planar or any(sphere.planar for sphere in scene.spheres())
-    if len(engines) != 1 or planar:  # one layer of spheres carries what the script has over the whole cell
-        return None
-    engine = engines[0]
+    return engines[0] if len(engines) == 1 else None
+
+
+def goals_of(engine: Instance) -> tuple[list[Any], int | None]:
+    """The goals of a controller along each axis, and a bit for each that is a stress; None if they are not known."""
     names, mask = PRESSURES[engine.name]
     old = {name: engine.attributes.get(name.replace("goal", "sigma")) for name in names}  # in older versions
     values = flat([engine.attributes.get(name, old[name]) for name in names])
@@ -347,17 +373,24 @@ def pressure(scene: Scene) -> float | None:
             mask = 7  # grains grow until the mean stress is that of all three
     if engine.name == "PeriIsoCompressor":
         values, mask = values[-1:], 1
-    if not isinstance(mask, int):
-        return None
-    values = [value for k, value in enumerate(values[:3]) if mask >> k & 1]
-    before = scene.stages[-1] if scene.stages and scene.stages[-1].system == scene.system else None
-    if any(isinstance(value, Unknown) and MEASURED.search(value.text) for value in values):
-        # It keeps the stress that it has reached.
-        same = before is not None and any(note.what == engine.name for note in before.pressed)
-        return before.pressure if before is not None and same else None
-    if not values or not are_numbers(values) or any(isinstance(x, bool) for x in values):
-        return None
-    return abs(math.fsum(values)) / len(values) or None
+    return values[:3], mask if isinstance(mask, int) else None
+
+
+def strained(scene: Scene) -> bool:
+    """Whether a controller keeps stresses along two axes and compresses the grains along the third one.
+
+    ``TriaxialCompressionEngine`` does so by itself once the grains are confined.
+    """
+    engine = controller(scene)
+    if engine is None or enlarges(engine):
+        return False
+    if engine.name == "TriaxialCompressionEngine":
+        return engine.attributes.get("autoCompressionActivation", True) not in (False, 0)
+    goals, mask = goals_of(engine)
+    if mask not in BUT_ONE or len(goals) < 3:
+        return False
+    goal = goals[BUT_ONE[mask]]
+    return not is_number(goal) or goal < 0.0 or (goal > 0.0 and engine.name == "ThreeDTriaxialEngine")
 
 
 def uniaxial(scene: Scene) -> bool:
