@@ -185,3 +185,44 @@ def test_the_step_of_one_contact_is_not_that_of_a_packing():
     text = pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81).replace("O.dt = 1e-5", "O.dt = 1e-3")
     (line,) = (line for line in hl.check(text).corrected if line.startswith("O.dt"))
     assert line.endswith("# 0.5 of the longest stable one")
+
+
+def test_two_elastic_grains_never_rest_although_they_rub():
+    """YADE 2023.02a: a sphere put on a fixed one still moves as fast after 115,000 steps."""
+    two = "sphere((0, 0, 0), 0.01, fixed=True), sphere((0, 0, 0.05), 0.01)"
+    text = pair(two, gravity=-9.81).replace("(en=0.8)", "()").replace("Angle=0.0", "Angle=0.4")
+    verdict = hl.check(text)
+    assert verdict.state.name == "gas" and "elastic grains bounce for ever" in verdict.sentence
+    assert hl.check(text.replace("Phys()", "Phys(en=0.99)")).state.name == "rest"
+
+
+@pytest.mark.parametrize("axis", [2, 1])
+@pytest.mark.parametrize("gap", [0.03, 0.0])
+def test_one_grain_falls_on_a_fixed_one(axis, gap):
+    """Where they touch from the start, or are beside each other, its speed is not known."""
+    places = [[0.0] * 3, [0.0] * 3]
+    places[1][axis] = 0.02 + gap
+    low, high = map(tuple, places)
+    state = hl.check(pair(f"sphere({low}, 0.01, fixed=True), sphere({high}, 0.01)", gravity=-9.81)).state
+    falls = axis == 2 and gap > 0
+    assert state.grains == 2 and state.speed_is_chosen is not falls
+    assert state.impact_speed == pytest.approx(math.sqrt(2 * 9.81 * (gap if falls else 0.01)))
+
+
+def test_a_grain_that_slides_along_its_floor_does_not_hit_it():
+    """Of a velocity that is set, the part along the wall is no impact speed."""
+    body = f"{FACET}, sphere((0, 0, {{}}), 0.01)"
+    for height, velocity, expected in (
+        (0.02, (3, 0, -1), 1.0),
+        (0.02, (3, 0, 0), math.sqrt(2 * 9.81 * 0.01)),
+        (0.01, (3, 0, 0), None),
+    ):
+        text = pair(body.format(height), gravity=-9.81)
+        state = hl.check(text.replace("O.dt", f"O.bodies[1].state.vel = {velocity}\nO.dt")).state
+        assert state.grains == 1 and state.speed_is_chosen is (expected is None)
+        assert expected is None or state.impact_speed == pytest.approx(expected)
+    slanted = FACET.replace("(0, 1, 0)", "(0, 1, 0.1)")
+    text = pair(f"{slanted}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81)
+    assert hl.check(
+        text.replace("O.dt", "O.bodies[1].state.vel = (9, 0, 0)\nO.dt")
+    ).state.impact_speed == pytest.approx(9)

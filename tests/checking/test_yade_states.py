@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import hardlimit as hl
-from hardlimit.checking import at_rest
+from hardlimit.checking import at_rest, loads
 from hardlimit.checking.scripts.yade import read
 
 SCRIPT = """from yade import geom, pack
@@ -93,6 +93,60 @@ def test_one_pressed_axis_bears_more_than_the_mean():
         assert state.overlap == pytest.approx(
             share * hl.check(text, pressure=state.pressure).state.overlap, rel=0.02
         )
+
+
+def pressed(engine, end=""):
+    """The sentence on grains that a controller presses."""
+    return hl.check(script(CLOUD, "", engine, end)).sentence
+
+
+@pytest.mark.parametrize(("engine", "compressed"), [
+    ("PeriTriaxController(goal=(-1e4, -1e4, -.2), stressMask=3)", True),
+    ("PeriTriaxController(goal=(-1e4, -.2, -1e4), stressMask=5)", True),
+    ("PeriTriaxController(goal=(-1e4, -1e4, .2), stressMask=3)", False),
+    ("PeriTriaxController(goal=(-1e4, -1e4, 0), stressMask=3)", False),
+    ("PeriTriaxController(goal=(-1e4, -1e4, -1e4), stressMask=7)", False),
+    ("PeriTriaxController(goal=(-1e4, -.2, -.2), stressMask=1)", False),
+    ("TriaxialStressController(goal1=-1e4, goal2=-.1, goal3=-1e4, stressMask=5, internalCompaction=False)", True),
+    ("TriaxialStressController(goal1=-1e4, goal2=-.1, goal3=-1e4, stressMask=5)", False),
+    ("ThreeDTriaxialEngine(stressControl_2=False, goal1=-1e4, goal2=.1, goal3=-1e4, internalCompaction=False)", True),
+    ("TriaxialCompressionEngine(sigmaIsoCompaction=-1e4, internalCompaction=False)", True),
+    ("TriaxialCompressionEngine(sigmaIsoCompaction=-1e4, internalCompaction=False, autoCompressionActivation=0)",
+     False),
+])  # fmt: skip
+def test_grains_bear_more_than_the_stresses_of_two_axes_while_the_third_is_compressed(engine, compressed):
+    sentence = pressed(engine)
+    assert "under 10 kPa (as the script says" in sentence
+    assert (f"up to {loads.SHEARED:g} times that while one axis is compressed" in sentence) is compressed
+
+
+def test_a_callback_that_changes_the_stress_is_said():
+    """It may run at intervals, or when the controller is done, and be defined after the run begins."""
+    engine = "PeriTriaxController(goal=(-1e4, -1e4, -1e4), stressMask=7, label='cell'{})"
+    hook, until = ", doneHook='done()'", "as the script says, until a callback changes it"
+    for line in ("cell.goal = (-1e4, -1e4, -.2)", "cell.stressMask = 3"):
+        assert until in pressed(engine.format(hook), f"def done():\n    {line}")
+        runner = "PyRunner(iterPeriod=10, command='done()')"
+        assert until in pressed(f"{engine.format('')}, {runner}", f"def done():\n    {line}")
+    assert until not in pressed(engine.format(hook), "def done():\n    O.pause()")
+    assert until not in pressed(engine.format(""), "def done():\n    cell.goal = 3")
+
+
+@pytest.mark.parametrize(
+    "line", ["setContactFriction(0.1)", "O.dt = 1e-9", "O.cell.velGrad = Matrix3(0, 1, 0, 0, 0, 0, 0, 0, 0)"]
+)
+def test_what_a_controller_runs_when_it_is_done_is_quoted(line):
+    engine = "PeriTriaxController(goal=(-1e4, -1e4, -1e4), stressMask=7, doneHook='done()')"
+    for text, quoted in ((line, True), ("print(O.time)", False)):
+        unknown = hl.check(script(CLOUD, "", engine, f"def done():\n    {text}")).unknown
+        assert any("PeriTriaxController" in finding.what for finding in unknown) is quoted
+
+
+def test_the_warning_of_damping_is_that_of_the_last_run():
+    text = script(CLOUD, DOWN).replace("NewtonIntegrator(", "NewtonIntegrator(label='newton', ")
+    ends = {end: hl.check(f"{text}newton.damping = {end}\nO.run(10)\n") for end in (0, 0.3)}
+    said = {end: [w.what for w in verdict.warnings if "acts on spins" in w.what] for end, verdict in ends.items()}
+    assert said[0] == [] and len(said[0.3]) == 1 and "damping 0.3" in said[0.3][0]
 
 
 WALLS = "low = O.bodies.append(wall(0, axis=2))\ntop = wall(0.1, axis=2)\nO.bodies.append(top)\n"
@@ -353,3 +407,37 @@ def test_the_survey_lists_modules_apart(monkeypatch):
     assert not survey.is_module(f"{function}{engines}\n")
     assert survey.OTHERS.search("Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True)")
     assert not survey.OTHERS.search("Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=False)")
+
+
+# --- open funnels -----------------------------------------------------------------------------------------------
+
+BUNKER = "O.bodies.append(geom.facetBunker((0, 0, -0.2), 0.1, 0.05, 0.1, 0.1, 0.02{}))\n"
+PIPE = "O.bodies.append(geom.facetCylinder((0, 0, 0.05), 0.06, 0.3, wallMask={}))\n"
+LID, FLOOR = "O.bodies.append(wall(0.2, axis=2))\n", "O.bodies.append(wall(-0.3, axis=2))\n"
+
+
+@pytest.mark.parametrize(("walls", "flows"), [
+    (PIPE.format(4), True),
+    (PIPE.format(5), True),
+    (PIPE.format(6), False),
+    (PIPE.format(7), False),
+    (PIPE.format(4) + LID, True),
+    (PIPE.format(4) + FLOOR, False),
+    (PIPE.format(4) + PIPE.format(2), False),
+    (PIPE.format("4, orientation=Quaternion((1, 0, 0), 1)"), False),
+    (BUNKER.format(""), True),
+    (BUNKER.format(", wallMask=6"), False),
+    (BUNKER.format("") + FLOOR, False),
+    (BOX, False),
+])  # fmt: skip
+def test_grains_flow_out_of_what_is_open_below(walls, flows):
+    bodies = f"{walls}{CLOUD}"
+    assert said(bodies).name == ("flow" if flows else "rest")
+    sentence = hl.check(script(bodies)).sentence
+    assert ("grains rest or flow in lasting contact under gravity" in sentence) is flows
+
+
+@pytest.mark.parametrize(("mask", "down", "up"), [(4, True, True), (5, True, False), (6, False, True)])
+def test_the_lower_end_of_a_pipe_is_that_along_gravity(mask, down, up):
+    for gravity, flows in ((DOWN, down), (DOWN.replace("-10", "10"), up)):
+        assert said(f"{PIPE.format(mask)}{CLOUD}", gravity).name == ("flow" if flows else "rest")

@@ -120,7 +120,7 @@ def load_of(
         return Load("shaken", gravity=stage.gravity, shaking=support.shaking, frequency=frequency)
     if lasting is False or not (under_pressure or rests or lasting):
         return Load("gas")
-    driven = rate is not None or (support.moves and support.shaking is None)
+    driven = rate is not None or (support.moves and support.shaking is None) or stage.contents.pours
     name = "flow" if driven else "pressed" if under_pressure or not rests else "rest"
     kinds = _kinds(stage, around)
     load = Load(

@@ -110,6 +110,7 @@ class Contents:
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
     stream: float | None = None  #: largest packing fraction of a stream into open space
     never_meet: bool = False  #: whether no grain meets another or a wall
+    pours: bool = False  #: whether all that is below the grains is open, as a funnel is
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it, at most
 
 

@@ -23,8 +23,11 @@ LARGEST: Final = 1e100
 ROUNDING: Final = 1e-9
 #: Arguments of facetBox and facetCylinder that turn them or leave out parts.
 TURNED: Final = {"orientation", "angleRange", "closeGap", "radiusTopInner", "radiusBottomInner"}
-#: The bit of the mask of a cylinder for its side.
+#: The bit of the mask of a cylinder for its side, and for its end below gravity along -z and +z.
 SIDE: Final = 4
+LOWER: Final = {1.0: 2, -1.0: 1}
+#: Facets around the axis z with such a mask: its place among the arguments, and its default.
+ROUND: Final = {"facetCylinder": (5, 7), "facetCone": (6, 7), "facetBunker": (8, 4)}
 
 #: Area of a wall that moves along gravity over that of the bed, up to which it is no piston.
 NARROW: Final = 0.25
@@ -73,6 +76,7 @@ class Container:
     ends: list[Ends] = field(default_factory=list)  #: of walls and facets
     solid: list[Ends] = field(default_factory=list)  #: of boxes
     bumps: list[Ends] = field(default_factory=list)  #: of spheres that do not move
+    masks: dict[Ends, int] = field(default_factory=dict)  #: of what stands around the axis z, by its ends
     appended: dict[str, list[Ends | None]] = field(default_factory=dict)  #: walls by the text of the call
     unsure: list[Ends | None] = field(default_factory=list)  #: of spheres some of which may not move
     plain: bool = True  #: whether all walls are such faces and cylinders
@@ -90,6 +94,9 @@ class Container:
         """A wall, a box or facets, with how far they reach if that is known."""
         if instance.attributes.get("mask") == 0:
             return  # it touches nothing
+        mask = mask_of(instance)
+        if mask is not None and reach is not None:
+            self.masks[reach] = self.masks.get(reach, 0) | mask
         shape = shape_of(instance)
         if shape is None:
             self.plain = False
@@ -148,6 +155,19 @@ class Container:
         bottom = min((*ends, *tops, *unsure), default=math.inf)
         inside = bottom <= lowest + ROUNDING * abs(height)
         return height + self.farther - bottom if inside and math.isfinite(height) else None
+
+    def pours(self, down: Direction) -> bool:
+        """Whether nothing below the spheres catches them: all that reaches there is open at its lower end."""
+        space, along = self.around, axis_of(down)
+        if space is None or along is None or along[0] != 2 or not self.everywhere or self.unsure:
+            return False
+        lowest, sign = _lowest(space, along), along[1]
+        below = [
+            ends
+            for ends in (*self.ends, *self.solid, *self.bumps)
+            if min(sign * end[2] for end in ends) < lowest
+        ]
+        return bool(below) and all(not self.masks.get(ends, LOWER[sign]) & LOWER[sign] for ends in below)
 
     def turned(self, axis: Direction) -> float | None:
         """The diameter of the circle around the axis in which all walls and spheres turn: no bed in them is higher."""
@@ -356,6 +376,16 @@ def shape_of(instance: Instance) -> tuple[Ends, list[Face]] | None:
     if name not in ("box", "facetBox") or ends is None or turned or not isinstance(mask, int):
         return None
     return (ends, [*faces_of(ends, mask)]) if name == "facetBox" or fixed else None
+
+
+def mask_of(instance: Instance) -> int | None:
+    """Which parts of facets around the axis z there are; None for others, turned ones, or if it is not known."""
+    if instance.name not in ROUND or "orientation" in instance.attributes:
+        return None
+    place, default = ROUND[instance.name]
+    turned = any(isinstance(each, Instance) for each in instance.arguments)
+    mask = instance.argument(place, "wallMask", default)
+    return mask if isinstance(mask, int) and not turned else None
 
 
 def _wall(instance: Instance) -> tuple[Ends, list[Face]] | None:

@@ -101,6 +101,7 @@ class YadeFilling:
         if self.periodic and (cell is None or len(cell) != 3):
             return contents
         container = replace(self.container, spheres=[*self.container.spheres, *sources])
+        contents = replace(contents, pours=not self.periodic and container.pours(down))
         floor = None if moving else container.floor(down, cell)
         height = container.height(down, cell) if turning is None else container.turned(turning)
         if height is None or (cell is not None and floor is None and not container.based(down, cell)):
