@@ -8,6 +8,7 @@ import pytest
 
 import hardlimit as hl
 from conftest import slow
+from hardlimit.checking.scripts import read
 
 SCRIPT = """from yade import geom, pack, ymport
 stone = O.materials.append(FrictMat(young=1e7, poisson=0.3, frictionAngle={angle}, density=2500, label="stone"))
@@ -212,6 +213,23 @@ def test_a_cloud_without_room_has_unknown_sizes():
     assert all(row.radius is None for row in overfull.rows) and "sizes" in overfull.missing
     assert overfull.time_step is None and overfull.state.largest_stable_step is None
     assert overfull.state.stiffness_number == pytest.approx(filled.state.stiffness_number)
+
+
+@pytest.mark.parametrize(("fuzz", "number", "periodic", "placed"), [
+    (0.0, 300, False, 0.25), (0.2, 300, False, 0.32), (0.5, 300, False, 0.36), (0.8, 2000, False, 0.34),
+    (0.0, 2000, True, 0.28), (0.2, 300, True, 0.34), (0.0, 20, False, 0.2), (0.5, 60, False, 0.28),
+])  # fmt: skip
+def test_a_cloud_has_its_number_where_all_of_it_finds_place(fuzz, number, periodic, placed):
+    """In YADE 2023.02a all are placed at the first packing fraction, and 0.34 to 0.93 of them at the second one."""
+    low, high = sorted((placed, 0.31 if fuzz == 0.0 else 0.43))
+    for phi, all_placed in ((0.98 * low, True), (high, False)):
+        radius = (phi / (number * 4 / 3 * math.pi * (1 + fuzz * fuzz))) ** (1 / 3)
+        cloud = f", rRelFuzz={fuzz}, num={number}, periodic={periodic}"
+        text = CLOUD.format((0, 0, 0), (1, 1, 1), radius, cloud)
+        stage = read(SCRIPT.format(bodies=text, gravity=(0, 0, 0), engine="", end="", angle=0.4)).stages[-1]
+        assert (stage.contents.count == number) is all_placed
+        known = all_placed or fuzz == 0.0
+        assert (stage.grains["stone"].radii is not None) is known
 
 
 def test_masses_that_a_script_sets_are_not_those_of_the_material():

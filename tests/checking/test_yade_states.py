@@ -145,7 +145,9 @@ def test_what_a_controller_runs_when_it_is_done_is_quoted(line):
 def test_the_warning_of_damping_is_that_of_the_last_run():
     text = script(CLOUD, DOWN).replace("NewtonIntegrator(", "NewtonIntegrator(label='newton', ")
     ends = {end: hl.check(f"{text}newton.damping = {end}\nO.run(10)\n") for end in (0, 0.3)}
-    said = {end: [w.what for w in verdict.warnings if "acts on spins" in w.what] for end, verdict in ends.items()}
+    said = {
+        end: [w.what for w in verdict.warnings if "acts on spins" in w.what] for end, verdict in ends.items()
+    }
     assert said[0] == [] and len(said[0.3]) == 1 and "damping 0.3" in said[0.3][0]
 
 

@@ -25,8 +25,9 @@ from .supplied import SCALES
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
 BY_SCRIPT: Final = "as the script says"
-#: Largest mean of the stresses over that along two axes while the third one is compressed: K_PLACEHOLDER
-SHEARED: Final = 2.0
+#: Largest mean of the three stresses over that along two axes while the third one is compressed. In cells of 500 spheres
+#: in YADE, dense ones (φ = 0.64): 1.55, 1.66 and 1.83 with μ = 0.3, 0.5 and 1; a loose one (0.57, μ = 0.5): 1.37.
+SHEARED: Final = 1.9
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.

@@ -391,7 +391,9 @@ def cloud_radii(instance: Instance) -> Range | None:
     if sizes:
         return None  # YADE may scale the sizes down
     mean, fuzz = mean_radius(instance), instance.argument(3, "rRelFuzz", 0.0)
-    return None if mean is None or is_overfull(instance) else union([fuzzy(end, fuzz) for end in mean])
+    if mean is None or (fuzz != 0 and is_overfull(instance)):
+        return None
+    return union([fuzzy(end, fuzz) for end in mean])
 
 
 def drawn(value: Any) -> Range | None:

@@ -90,8 +90,7 @@ def notes(scene: Scene, script: Evaluator) -> None:
         if strange:
             scene.unknown[quote] = None
             scene.refuse(quote, f"have known words, not {', '.join(sorted(strange))}")
-        if instance in scene.engines:
-            runner_note(scene, script, instance)
+        runner_note(scene, script, instance)
         if name.startswith(("Ip2_", "Law2_")) or (name.endswith("Mat") and name[:1].isupper()):
             contact_note(scene, instance)
         elif name in MOTION:
