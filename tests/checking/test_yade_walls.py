@@ -212,7 +212,8 @@ IN_AIR = CLOUD.format((0, 0, 0.01), (0.02, 0.02, 0.09), 1e-3, "")
 @pytest.mark.parametrize(("facets", "bottom"), [
     ("geom.facetSphere((0, 0, 0.03), 0.05)", -0.02),
     ("geom.facetCone((0, 0, 0.03), 0.05, 0.02, 0.08)", -0.01),
-    ("geom.facetBunker((0, 0, -0.05), dBunker=0.1, dOutput=0.02, hBunker=0.1, hOutput=0.03, hPipe=0.02, wallMask=6)", -0.05),
+    ("geom.facetBunker((0, 0, -0.05), dBunker=0.1, dOutput=0.02, hBunker=0.1, hOutput=0.03, hPipe=0.02, wallMask=6)",
+     -0.05),
     ("geom.facetCylinder((0, 0, 0.03), 0.03, 0.08, orientation=Quaternion((1, 0, 0), 0.5))",
      0.03 - 0.03 * math.sin(0.5) - 0.04 * math.cos(0.5)),
     ("geom.facetCylinder((0, 0, 0.03), 0.03, 0.08, orientation=aslant)", 0.03 - math.hypot(0.03, 0.03, 0.04)),

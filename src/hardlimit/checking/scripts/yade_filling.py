@@ -31,7 +31,7 @@ POROSITY, LOOSE = 0.65, 0.75
 #: Packing fraction up to which ``makeCloud`` finds place for all its spheres, over ``rRelFuzz``: in YADE 2023.02a, 300
 #: and 2000 of them between six walls. Then the share of this for fewer spheres than a number, in a few of which it was
 #: seen, and that in a periodic cell.
-ROOM: Final = ((0.0, 0.25), (0.2, 0.32), (0.5, 0.36), (0.8, 0.34))
+ROOM: Final = {0.0: 0.25, 0.2: 0.32, 0.5: 0.36, 0.8: 0.34}
 FEWER, LESS_ROOM, MORE_ROOM = 100, 0.8, 1.1
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
 TEXTS: Final = ("text", "textExt")
@@ -191,7 +191,8 @@ def is_overfull(instance: Instance) -> bool:
         return False
     volume = abs(math.prod(b - a for a, b in zip(low, high, strict=True)))
     filled = float(number) * 4.0 / 3.0 * math.pi * float(mean) ** 3 * (1.0 + float(fuzz) ** 2)
-    room = float(np.interp(fuzz, *zip(*ROOM, strict=True))) * (LESS_ROOM if number < FEWER else 1.0)
+    room = float(np.interp(float(fuzz), list(ROOM), list(ROOM.values())))
+    room *= LESS_ROOM if number < FEWER else 1.0
     room *= MORE_ROOM if instance.argument(5, "periodic", False) in (True, 1) else 1.0
     return 0.0 < volume * room < filled
 
