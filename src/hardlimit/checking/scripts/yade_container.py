@@ -80,6 +80,8 @@ class Container:
     appended: dict[str, list[Ends | None]] = field(default_factory=dict)  #: walls by the text of the call
     unsure: list[Ends | None] = field(default_factory=list)  #: of spheres some of which may not move
     plain: bool = True  #: whether all walls are such faces and cylinders
+    normals: set[int] = field(default_factory=set)  #: the axes along which walls push
+    slanted: bool = False  #: whether some walls push in other directions, or in unknown ones
     spheres: list[Ends | None] = field(default_factory=list)  #: of each command; None if not known
     known: bool = True  #: whether walls and spheres stay where they are made, or move as in ``moves``
     everywhere: bool = True  #: whether it is known how far all walls reach
@@ -98,12 +100,19 @@ class Container:
         if mask is not None and reach is not None:
             self.masks[reach] = self.masks.get(reach, 0) | mask
         shape = shape_of(instance)
+        if shape is None or (instance.name == "facet" and flat_axis(shape[0]) is None):
+            self.slanted = True
         if shape is None:
             self.plain = False
             self.everywhere &= reach is not None
             self.ends += [] if reach is None else [reach]
             return
         ends, faces = shape
+        flat = flat_axis(ends) if instance.name == "facet" else None
+        self.normals |= {face.axis for face in faces} | (set() if flat is None else {flat})
+        self.normals |= (
+            {0, 1} if instance.name == "facetCylinder" and mask is not None and mask & SIDE else set()
+        )
         (self.solid if instance.name == "box" else self.ends).append(ends)
         self.faces += faces
         if instance.name == "facetCylinder":
@@ -111,6 +120,16 @@ class Container:
             area = 0.5 * number * radius**2 * math.sin(2.0 * math.pi / number)
             self.cylinders.append(Cylinder(ends, area, instance.argument(5, "wallMask", 7)))
         self.plain &= instance.name != "facet"
+
+    @property
+    def pushes(self) -> tuple[Direction, ...] | None:
+        """The directions in which walls push the spheres, to both sides; None if they are not known."""
+        if self.slanted or not self.known:
+            return None
+        units = [
+            tuple(sign * (j == k) for j in range(3)) for k in sorted(self.normals) for sign in (-1.0, 1.0)
+        ]
+        return tuple(units)
 
     @property
     def around(self) -> Ends | None:
@@ -376,6 +395,12 @@ def shape_of(instance: Instance) -> tuple[Ends, list[Face]] | None:
     if name not in ("box", "facetBox") or ends is None or turned or not isinstance(mask, int):
         return None
     return (ends, [*faces_of(ends, mask)]) if name == "facetBox" or fixed else None
+
+
+def flat_axis(ends: Ends) -> int | None:
+    """The axis across which a facet with these ends lies; None if it is slanted."""
+    axes = [k for k in range(3) if ends[0][k] == ends[1][k]]
+    return axes[0] if len(axes) == 1 else None
 
 
 def mask_of(instance: Instance) -> int | None:

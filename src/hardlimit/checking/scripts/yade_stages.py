@@ -9,7 +9,18 @@ from dataclasses import replace
 from itertools import combinations
 from typing import Any, Final, TypeGuard
 
-from .description import FEW, Contents, Description, Direction, Motion, Note, Quote, Stage
+from .description import (
+    FEW,
+    WALL,
+    ContactSettings,
+    Contents,
+    Description,
+    Direction,
+    Motion,
+    Note,
+    Quote,
+    Stage,
+)
 from .motion import STEADY, UNKNOWN, strongest
 from .python import Evaluator, Instance, Unknown, flat
 from .statements import refusal
@@ -123,7 +134,9 @@ def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
         time_step=step,
         time_step_given=scene.time_step_given,
         steps=steps,
-        contacts=tuple(replace(contact, motion=moving) for contact in settings),
+        contacts=tuple(
+            replace(contact, motion=moving, pushes=pushes_of(scene, contact)) for contact in settings
+        ),
         grains=contacts.grains,
         gravity=gravity,
         numerical_damping=damping(scene),
@@ -136,6 +149,13 @@ def stage_now(scene: Scene, quote: Quote, steps: int | None) -> Stage:
         shear_rate=shear_rate,
         system=scene.system,
     )
+
+
+def pushes_of(scene: Scene, contact: ContactSettings) -> tuple[Direction, ...] | None:
+    """The directions in which the walls of a contact push; None if they are not known, or may turn."""
+    if contact.types[1] != WALL or scene.elsewhere or any(scene.used(name) for name in MOTION):
+        return None
+    return scene.filling.container.pushes
 
 
 def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
