@@ -213,7 +213,7 @@ def test_a_grain_that_slides_along_its_floor_does_not_hit_it():
     """Of a velocity that is set, the part along the wall is no impact speed."""
     body = f"{FACET}, sphere((0, 0, {{}}), 0.01)"
     for height, velocity, expected in (
-        (0.02, (3, 0, -1), 1.0),
+        (0.02, (3, 0, -1), math.sqrt(1 + 2 * 9.81 * 0.01)),
         (0.02, (3, 0, 0), math.sqrt(2 * 9.81 * 0.01)),
         (0.01, (3, 0, 0), None),
     ):
@@ -226,3 +226,37 @@ def test_a_grain_that_slides_along_its_floor_does_not_hit_it():
     assert hl.check(
         text.replace("O.dt", "O.bodies[1].state.vel = (9, 0, 0)\nO.dt")
     ).state.impact_speed == pytest.approx(9)
+
+
+@pytest.mark.parametrize(("second", "velocity", "height"), [
+    ((0, 0, 0.09), 0.0, 0.04),  # the lower one falls by 4 cm, the upper one to 2 cm above the floor: 6 cm
+    ((0.005, 0, 0.14), 0.0, 0.11),
+    ((0.5, 0, 0.14), 0.0, 0.13),
+    ((0.5, 0, 0.14), 2.0, 0.13),
+])  # fmt: skip
+def test_two_grains_fall_from_where_they_are(second, velocity, height):
+    bodies = f"{FACET}, sphere((0, 0, 0.05), 0.01), sphere({second}, 0.01)"
+    text = pair(bodies, gravity=-9.81).replace("O.dt", f"O.bodies[2].state.vel = (0, 0, {velocity})\nO.dt")
+    highest = max(height, 0.06 if second[2] == 0.09 else 0.0)
+    state = hl.check(text).state
+    assert state.impact_speed == pytest.approx(math.sqrt(velocity**2 + 2 * 9.81 * highest))
+
+
+@pytest.mark.parametrize("down", [1.0, -1.0])
+def test_a_grain_between_six_walls_falls_on_that_below(down):
+    walls = "aabbWalls([(0, 0, 0), (1, 1, 1)], thickness=0)"
+    text = pair("sphere((0.5, 0.5, 0.4), 0.01)", gravity=-9.81 * down)
+    text = text.replace("O.engines", f"O.bodies.append({walls})\nO.engines").replace("Facet", "Box")
+    height = 0.39 if down > 0 else 0.59
+    assert hl.check(text).state.impact_speed == pytest.approx(math.sqrt(2 * 9.81 * height))
+
+
+def test_a_grain_that_meets_nothing_has_no_impact():
+    alone = hl.check(pair("sphere((0, 0, 0), 0.01)", gravity=-9.81))
+    assert alone.state.never_meet and alone.state.grains is None and "One grain" not in alone.sentence
+    assert not hl.check(pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81)).state.never_meet
+
+
+def test_a_grain_that_is_not_damped_is_quoted():
+    text = pair(TWO).replace("O.dt", "O.bodies[0].state.isDamped = False\nO.dt")
+    assert any("isDamped" in finding.what for finding in hl.check(text, speed=1.0).unknown)

@@ -18,7 +18,7 @@ alphaKtw etaRoll etaTwist momentRotationLaw always_use_moment_law inertia
 """)
 #: Those that change the normal force of contacts.
 OF_CONTACTS: Final = names("""
-young poisson en betan kn cn tc damping mat material engines isCohesive normalCohesion setCohesionNow
+young poisson en betan kn cn tc damping isDamped mat material engines isCohesive normalCohesion setCohesionNow
 setCohesionOnNewContacts hertzian functors SPHmode
 """)
 #: Those that change contacts, grains or time steps while the script runs.

@@ -15,7 +15,7 @@ from .commands import text_of
 from .description import DENSEST, FEW, Contents, Direction, Lot, Range, Speed, Stage
 from .python import Instance, flat
 from .yade_clumps import Clumped
-from .yade_container import Container, Ends, axis_of, box_around, is_number, union, vector
+from .yade_container import Container, Ends, axis_of, box_around, is_number, shape_of, union, vector
 from .yade_extents import ends_of_space, shifted, span
 
 #: Packing fractions of packings: of lattices without gaps, and of random ones that were pressed together.
@@ -236,6 +236,9 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
             low, high = [-math.inf] * 3, [math.inf] * 3
             low[axis] = high[axis] = float(at)
             filling.floors.append(((low[0], low[1], low[2]), (high[0], high[1], high[2])))
+    elif instance.name == "aabbWalls":
+        shape = shape_of(instance)
+        filling.floors += [] if shape is None else [face.ends for face in shape[1]]
     elif instance.name == "facet":
         vertices = instance.argument(0, "vertices")
         corners = [vector(corner) for corner in (vertices if isinstance(vertices, list | tuple) else ())]
@@ -251,23 +254,37 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
 
 
 def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
-    """The speed with which the highest sphere reaches the highest obstacle below it.
+    """The speed with which the highest sphere reaches the highest obstacle below it, with the velocity that is set.
 
-    For few spheres, fixed ones are obstacles, too; among many they may be those of side walls.
+    For few spheres, fixed ones are obstacles, too; among many they may be those of side walls. Of two spheres above
+    each other, the upper one falls on the lower one.
     """
     along = axis_of(stage.down or ())
     if along is None or not stage.gravity:
         return
     k, sign = along
     tops = [max(sign * low[k], sign * high[k]) - radius for low, high, radius in filling.places]
+    if len(tops) == 2 and filling.is_few and are_stacked(filling, k):
+        upper = tops.index(max(tops))
+        tops[upper] -= 2.0 * filling.places[1 - upper][2]
     obstacles = [*filling.floors, *(filling.container.bumps if filling.is_few else [])]
     ends = [max(sign * low[k], sign * high[k]) for low, high in obstacles]
+    along_it = [abs(velocity[k]) for velocity in filling.velocities.values()] if filling.known else []
+    start = max(along_it, default=0.0)
     for top in tops:
         below = [end for end in ends if end < top]
         if below and math.isfinite(top - max(below)):
             height = top - max(below)
             source = "the fall of {height} from where spheres are made"
-            yield Speed(math.sqrt(2.0 * stage.gravity * height), source, height)
+            source += " with the velocity that is set" * bool(start)
+            yield Speed(math.sqrt(start**2 + 2.0 * stage.gravity * height), source, height)
+
+
+def are_stacked(filling: YadeFilling, k: int) -> bool:
+    """Whether the centre of one of two spheres is above the other one."""
+    (first, _, radius), (second, _, other) = filling.places
+    across = [first[j] - second[j] for j in range(3) if j != k]
+    return math.hypot(*across) < max(radius, other)
 
 
 def relative(filling: YadeFilling) -> Iterator[Speed]:
