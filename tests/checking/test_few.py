@@ -260,3 +260,14 @@ def test_a_grain_that_meets_nothing_has_no_impact():
 def test_a_grain_that_is_not_damped_is_quoted():
     text = pair(TWO).replace("O.dt", "O.bodies[0].state.isDamped = False\nO.dt")
     assert any("isDamped" in finding.what for finding in hl.check(text, speed=1.0).unknown)
+
+
+@pytest.mark.parametrize(("damping", "more", "velocity", "seen"), [
+    (0.4, "", 0, 3.4139), (0.4, ", dampGravity=False", 0, 4.4145), (0.7, "", 0, 2.4133), (0.2, "", 1, 4.0421),
+])  # fmt: skip
+def test_the_damping_of_the_integrator_slows_the_fall(damping, more, velocity, seen):
+    """``seen``: the largest speed downwards in YADE 2023.02a at intervals of 5 ms, from a height of 1 m."""
+    text = pair(f"{FACET}, sphere((0, 0, 1.01), 0.01)", gravity=-9.81)
+    text = text.replace("damping=0,", f"damping={damping}{more},")
+    text = text.replace("O.dt", f"O.bodies[1].state.vel = (0, 0, {velocity})\nO.dt")
+    assert hl.check(text).state.impact_speed == pytest.approx(seen, abs=9.81 * 5e-3)

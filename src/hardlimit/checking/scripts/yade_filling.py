@@ -54,10 +54,10 @@ class YadeFilling:
     container: Container = field(default_factory=Container)
     clumped: Clumped | None = None  #: the clumps that spheres are in; None if there are none
 
-    def contents(self, stage: Stage) -> Contents:
-        """What a run has in its cell, and the speeds that are stated for it."""
+    def contents(self, stage: Stage, damped: float = 0.0) -> Contents:
+        """What a run has in its cell, and the speeds that are stated for it; ``damped`` as in :func:`falls`."""
         volume = math.prod(self.cell) if self.periodic and self.cell else None
-        speeds = [*falls(self, stage), *(relative(self) if self.known else ())]
+        speeds = [*falls(self, stage, damped), *(relative(self) if self.known else ())]
         return Contents(
             self.census.count,
             self.census.filled(3),
@@ -253,11 +253,11 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
         filling.floors.append((ends[0], ends[1]))
 
 
-def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
+def falls(filling: YadeFilling, stage: Stage, damped: float) -> Iterator[Speed]:
     """The speed with which the highest sphere reaches the highest obstacle below it, with the velocity that is set.
 
     For few spheres, fixed ones are obstacles, too; among many they may be those of side walls. Of two spheres above
-    each other, the upper one falls on the lower one.
+        other, the upper one falls on the lower one. ``damped``: the numerical damping of the weight.
     """
     along = axis_of(stage.down or ())
     if along is None or not stage.gravity:
@@ -269,15 +269,18 @@ def falls(filling: YadeFilling, stage: Stage) -> Iterator[Speed]:
         tops[upper] -= 2.0 * filling.places[1 - upper][2]
     obstacles = [*filling.floors, *(filling.container.bumps if filling.is_few else [])]
     ends = [max(sign * low[k], sign * high[k]) for low, high in obstacles]
-    along_it = [abs(velocity[k]) for velocity in filling.velocities.values()] if filling.known else []
-    start = max(along_it, default=0.0)
+    along_it = [sign * velocity[k] for velocity in filling.velocities.values()] if filling.known else []
+    rising = math.sqrt(
+        (1.0 - damped) / (1.0 + damped)
+    )  # of a speed upwards, what is left back at this height
+    start = max((v * rising if v > 0.0 else -v for v in along_it), default=0.0)
     for top in tops:
         below = [end for end in ends if end < top]
         if below and math.isfinite(top - max(below)):
             height = top - max(below)
             source = "the fall of {height} from where spheres are made"
             source += " with the velocity that is set" * bool(start)
-            yield Speed(math.sqrt(start**2 + 2.0 * stage.gravity * height), source, height)
+            yield Speed(math.sqrt(start**2 + 2.0 * (1.0 - damped) * stage.gravity * height), source, height)
 
 
 def are_stacked(filling: YadeFilling, k: int) -> bool:

@@ -160,7 +160,9 @@ def pushes_of(scene: Scene, contact: ContactSettings) -> tuple[Direction, ...] |
 
 def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     """What a run has in its cell; factories make an unknown number of spheres."""
-    contents = scene.filling.contents(stage)
+    integrators = scene.used("NewtonIntegrator")
+    whole = bool(integrators) and integrators[-1].attributes.get("dampGravity", True) in (False, 0)
+    contents = scene.filling.contents(stage, 0.0 if whole else stage.numerical_damping or 0.0)
     factories = [*scene.used("BoxFactory"), *scene.used("CircularFactory")]
     moving = scene.filling.moving
     if contents.count is not None and moving is not None and 0 < moving <= FEW < contents.count:
