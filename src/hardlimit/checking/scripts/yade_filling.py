@@ -257,7 +257,7 @@ def falls(filling: YadeFilling, stage: Stage, damped: float) -> Iterator[Speed]:
     """The speed with which the highest sphere reaches the highest obstacle below it, with the velocity that is set.
 
     For few spheres, fixed ones are obstacles, too; among many they may be those of side walls. Of two spheres above
-        other, the upper one falls on the lower one. ``damped``: the numerical damping of the weight.
+    each other, the upper one falls on the lower one. ``damped``: the numerical damping, which acts on the weight, too.
     """
     along = axis_of(stage.down or ())
     if along is None or not stage.gravity:
@@ -270,9 +270,7 @@ def falls(filling: YadeFilling, stage: Stage, damped: float) -> Iterator[Speed]:
     obstacles = [*filling.floors, *(filling.container.bumps if filling.is_few else [])]
     ends = [max(sign * low[k], sign * high[k]) for low, high in obstacles]
     along_it = [sign * velocity[k] for velocity in filling.velocities.values()] if filling.known else []
-    rising = math.sqrt(
-        (1.0 - damped) / (1.0 + damped)
-    )  # of a speed upwards, what is left back at this height
+    rising = math.sqrt((1.0 - damped) / (1.0 + damped))  # what is left of a speed upwards back at its height
     start = max((v * rising if v > 0.0 else -v for v in along_it), default=0.0)
     for top in tops:
         below = [end for end in ends if end < top]
