@@ -22,8 +22,8 @@ RESTS: Final = "grains rest on each other under gravity"
 RESTS_ON_WALLS: Final = "grains come to rest on walls under gravity"
 RESTS_OR_FLOWS: Final = "grains rest or flow in lasting contact under gravity"
 FEW_REST: Final[dict[float | None, str]] = {
-    1.0: "the grain comes to rest under gravity",
-    2.0: "the two grains come to rest under gravity",
+    1.0: "the grain rests or rolls in lasting contact under gravity",
+    2.0: "the two grains rest or roll in lasting contact under gravity",
 }
 
 
