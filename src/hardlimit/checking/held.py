@@ -87,7 +87,7 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     stage, loaded = final.last, final.options.load.rests or final.options.drive
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
     many = count is None or count > FEW
-    falls = many or (count == 1.0 and bool(stage.gravity))  # few others are asked for an impact
+    falls = many or bool(stage.gravity)  # few others are asked for an impact
     if falls and stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
         return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]

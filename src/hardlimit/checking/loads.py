@@ -25,8 +25,9 @@ from .supplied import SCALES
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
 BY_SCRIPT: Final = "as the script says"
-#: Largest mean of the three stresses over that along two axes while the third one is compressed. In cells of 500 spheres
-#: in YADE, dense ones (φ = 0.64): 1.55, 1.66 and 1.83 with μ = 0.3, 0.5 and 1; a loose one (0.57, μ = 0.5): 1.37.
+#: Largest mean of the three stresses over that along two axes while the third one is compressed, in cells of 500
+#: spheres in YADE: dense ones (φ = 0.64) have 1.55, 1.66 and 1.83 with μ = 0.3, 0.5 and 1, a loose one (0.57, μ = 0.5)
+#: 1.37.
 SHEARED: Final = 1.9
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
@@ -114,7 +115,8 @@ def load_of(
     )
     if options.height is not None and not stage.gravity:
         raise ValueError(f"height: got {options.height:g}, must be left out without gravity")
-    rests = (support.rests and not around.elastic) or options.height is not None
+    falls = around.elastic or stage.contents.never_meet
+    rests = (support.rests and not falls) or options.height is not None
     rate, lasting = stage.shear_rate if shear_rate is None else shear_rate, around.lasting
     if stage.gravity and support.moves and not (rests or lasting or under_pressure):
         frequency = None if support.motion is None else support.motion.frequency

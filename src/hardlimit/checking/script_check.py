@@ -83,7 +83,9 @@ def checked_script(script: Description, options: Options, frames: Sequence[dumps
     systems = [final if system.last is last else system for system in systems]
     invalidates = [findings.of_note(note) for note in script.invalidates]
     invalidates += findings.held_together(
-        grains, options, findings.lasting(script.stages, supports, rows, states, chosen, elastic)
+        grains,
+        options,
+        findings.lasting(script.stages, supports, rows, states, chosen, elastic or grains.never_meet),
     )
     unknown = findings.not_understood(script, last, frames, notes, invalidates)
     admissible, sentence = _answer(systems, invalidates, unknown, states)

@@ -189,11 +189,19 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
 
 
 def fall_apart(scene: Scene, down: Direction) -> bool:
-    """Whether all bodies are spheres that move beside each other along gravity, and no wall is there."""
+    """Whether all bodies are spheres that move beside each other and fixed ones along gravity, and no wall is there."""
     filling, bodies = scene.filling, scene.bodies
     along = axis_of(down)
-    single = all(body.kind == "sphere" and not (body.several or body.frozen) for body in bodies)
-    if along is None or not single or not filling.known or filling.periodic or not filling.container.known:
+    single = all(body.kind == "sphere" and not body.several for body in bodies)
+    moved = any(body.frozen for body in bodies) and any(scene.used(name) for name in MOTION)
+    if (
+        along is None
+        or not single
+        or moved
+        or not filling.known
+        or filling.periodic
+        or not filling.container.known
+    ):
         return False
     across = [k for k in range(3) if k != along[0]]
     velocities = [velocity for velocity in filling.velocities.values() if any(velocity[k] for k in across)]
