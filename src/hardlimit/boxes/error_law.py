@@ -269,8 +269,8 @@ class ErrorLaw:
         -----
         Shear works η γ̇² per volume. With η ∝ √T and the dissipation ∝ T^(3/2) of hard spheres, their temperature is
         (1 + e_η)/(1 + e_Γ) times that under Newton's equations, where e are the errors of viscosity and dissipation at
-        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η follows from means over the contacts
-        of a gas in its steady state, which last under Newton's equations.
+        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η follows from means over contacts,
+        which last under Newton's equations.
 
         Examples
         --------
