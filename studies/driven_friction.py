@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import driven_gas
@@ -287,29 +288,33 @@ def tables(ds: xr.Dataset) -> str:
             for key in law
         ]
         cells += [in_percent(*measured[f"sheared: {key} at equal T"]) for key in ("dissipation", "viscosity")]
+        case = SHEARED[name]
+        of_theory, theta = predicted(case)
         temperature = float(ds.temperature.sel(drive="sheared", case=name, model="law").mean())
         cells += [
-            f"{temperature / predicted_temperature(SHEARED[name]):.2f}",
+            f"{temperature / of_theory:.3f}",
+            f"{theta:.3f}",
             pair(ds.temperature_ratio, "sheared", name),
         ]
-        case = SHEARED[name]
         x = f"{tc_nu(ds, 'sheared', name):.2g}"
         where = case.packing_fraction, case.mu, case.rho, x, case.restitution, case.damping
         rows.append((*(value if isinstance(value, str) else f"{value:g}" for value in where), *cells))
     head = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n | temperature | stress | dissipation | viscosity"
-    return f"{text}\n\n{driver.table(f'{head} | T/T₀ | θ: hard, Newton', rows)}"
+    return f"{text}\n\n{driver.table(f'{head} | T/T₀ | θ₀ | θ: hard, Newton', rows)}"
 
 
 def in_percent(value: float, error: float) -> str:
     return f"{100.0 * value:.1f}±{100.0 * error:.1f}".replace("-", "−")
 
 
-def predicted_temperature(case: Case) -> float:
-    """T of the sheared gas by kinetic theory with friction, over that of the study."""
+@lru_cache
+def predicted(case: Case) -> tuple[float, float]:
+    """T of the sheared gas by kinetic theory with friction, over that of the study, and its θ."""
     gas = theory.Gas(1, RADIUS, 1.0, 4.0 / 3.0 * math.pi * RADIUS**3 / case.packing_fraction, 3)
     spinning = rotating(gas, case)
     loss = -spinning.mean_collision(spinning.heated_temperature_ratio()).energy_change
-    return spinning.sheared_temperature(1.0) / gas.sheared_temperature(1.0, as_smooth(loss))
+    state = spinning.sheared_state(1.0)
+    return state.temperature / gas.sheared_temperature(1.0, as_smooth(loss)), state.temperature_ratio
 
 
 def as_smooth(loss: float) -> float:

@@ -23,7 +23,6 @@ from matplotlib.figure import Figure
 
 import hardlimit as hl
 from hardlimit.boxes import theory
-from hardlimit.boxes.error_law import viscosity_error
 from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
@@ -133,13 +132,13 @@ def tables(ds: xr.Dataset) -> str:
     for phi, epsilon, tc_nu, here in driven_gas.cases(TC_NU, ds):
         x = real_tc_nu(here, tc_nu)
         law = hl.error_law(packing_fraction=phi, restitution=epsilon)
-        predicted = law.sheared_errors(x)
+        predicted, dissipation = law.sheared_errors(x), (1.0 + law.heated_error(x)) ** -1.5
         cells = [
             _cell(*ratio(here, "temperature"), predicted.temperature),
             _cell(*stress_error(here), predicted.stress),
             f"{100.0 * BERZI_JENKINS * x:.1f}",
-            _cell(*ratio(here, "viscosity"), x * viscosity_error(phi)),
-            _cell(*ratio(here, "dissipation"), (1.0 + law.heated_error(x)) ** -1.5 - 1.0),
+            _cell(*ratio(here, "viscosity"), (1.0 + predicted.temperature) * dissipation - 1.0),
+            _cell(*ratio(here, "dissipation"), dissipation - 1.0),
         ]
         errors.append((phi, epsilon, tc_nu, *cells))
         if tc_nu == TC_NU[phi][-1]:

@@ -350,13 +350,16 @@ def test_the_viscosity_of_soft_spheres_follows_from_their_collisions(phi):
     relaxes, couples, layers = (x - rarer for x in soft_collisions(400_000, gas.slope))
     p, m = 1.6 * phi * chi, 768.0 / (25.0 * math.pi) * phi**2 * chi
 
-    def viscosity(w):
-        return (1.0 + p * (1.0 + couples * w)) ** 2 / chi / (1.0 + relaxes * w) + m * (1.0 + layers * w)
+    def viscosity(w):  # the source of the deformation: with the stress of grains in contact, 3 p w more
+        carried, source = 1.0 + p * (1.0 + couples * w), 1.0 + p * (1.0 + (couples - 3.0) * w)
+        return carried * source / chi / (1.0 + relaxes * w) + m * (1.0 + layers * w)
 
     small = 1e-6
     expected = (viscosity(0.0) / viscosity(small) - 1.0) / small / gas.density
     bar = 0.05 / gas.density * 3.0  # 400,000 collisions
-    assert module.viscosity_error(phi) == pytest.approx(expected, rel=0.02, abs=bar)
+    temperature, _ = law(phi, 1.0 - 1e-9).sheared_errors(1e-4)
+    dissipation = (1.0 + law(phi, 1.0 - 1e-9).heated_error(1e-4)) ** -1.5
+    assert ((1.0 + temperature) * dissipation - 1.0) / 1e-4 == pytest.approx(expected, rel=0.02, abs=bar)
 
 
 @draws(100)
@@ -366,10 +369,51 @@ def test_work_and_dissipation_balance_under_shear(phi, epsilon, tc_nu):
     driven = law(phi, epsilon)
     temperature, stress = driven.sheared_errors(tc_nu)
     dissipation = (1.0 + driven.heated_error(tc_nu)) ** -1.5
-    assert 1.0 + stress == pytest.approx(dissipation * (1.0 + temperature) ** 1.5)
-    assert 1.0 + stress == pytest.approx(
-        (1.0 + tc_nu * module.viscosity_error(phi)) * math.sqrt(1.0 + temperature)
-    )
+    if math.isfinite(stress):
+        assert 1.0 + stress == pytest.approx(dissipation * (1.0 + temperature) ** 1.5)
+    assert math.isfinite(driven.sheared_errors(min(tc_nu, phi)).stress)
+
+
+def overlapping_contacts(n):
+    """Contacts of two grains, 1 and 2, that a third one touches at 1 while they last: t_c ≪ d/√T, so that normals stay,
+    elastic linear springs. Weights of the touches over those of a free grain, the number of touches and the relaxation
+    of ⟨c c⟩ of each, over that of a contact of its own. T = m = 1, t_c = π; 3 does not overlap with 2."""
+    rng = np.random.default_rng(1)
+    centre, g = rng.normal(size=(n, 3)) / math.sqrt(2.0), math.sqrt(2.0) * rng.normal(size=(n, 3))
+    g[:, 2] = 2.0 * np.sqrt(-np.log(rng.random(n)))  # approach along the normal z, by the flux
+    begin = np.stack([centre + 0.5 * g, centre - 0.5 * g, rng.normal(size=(n, 3))])
+    age, cos = math.pi * rng.random(n), 1.5 * rng.random(n) - 1.0
+    normals = np.zeros((2, n, 3))
+    normals[0, :, 2], normals[1, :, 0], normals[1, :, 2] = 1.0, np.sqrt(1.0 - cos**2), cos
+    v, depth = begin.copy(), np.stack([g[:, 2] * np.sin(age), np.zeros(n)])
+    push = 0.5 * g[:, 2] * (np.cos(age) - 1.0)
+    v[0, :, 2] += push
+    v[1, :, 2] -= push
+    speed = np.einsum("ni,ni->n", v[0] - v[2], normals[1])
+    weights, touches = 0.75 * math.sqrt(math.pi) * np.maximum(speed, 0.0), np.full(n, 2.0)
+    step = math.pi / 100.0
+    for _ in range(1200):  # later touches, of a few in 10,000, are left out
+        force = 0.5 * np.maximum(depth, 0.0)
+        for k in range(2):
+            v[0] -= step * force[k][:, None] * normals[k]
+            v[k + 1] += step * force[k][:, None] * normals[k]
+        before = depth
+        depth = depth + step * np.einsum("kni,kni->kn", v[0] - v[1:], normals)
+        touches += ((before < 0.0) & (depth >= 0.0)).sum(axis=0)
+    tensors = [np.einsum("pni,pnj->nij", c, c) for c in (begin, v)]
+    change, start = (t - np.trace(t, axis1=1, axis2=2)[:, None, None] / 3.0 * np.eye(3) for t in
+                     (tensors[1] - tensors[0], tensors[0]))  # fmt: skip
+    return weights, touches, -np.einsum("nij,nij->n", change, start) / 16.0
+
+
+@pytest.mark.slow
+def test_a_grain_in_contact_relaxes_as_little_as_it_is_deformed():
+    """Grains in contact have 0.2 t_c ν less of the deformation than free ones, and a third grain takes as much less."""
+    weights, touches, relaxation = overlapping_contacts(100_000)
+    slower = 2.0 * np.mean(weights * (touches - relaxation))
+    error = 2.0 * np.std(weights * (touches - relaxation)) / math.sqrt(len(weights))
+    assert error < 0.05 and slower == pytest.approx(0.2, abs=2.5 * error)
+    assert slower > 3.0 * error
 
 
 def test_shear_is_known_for_linear_spheres_with_constant_restitution():
@@ -384,7 +428,7 @@ def test_shear_is_known_for_linear_spheres_with_constant_restitution():
 
 def test_the_sheared_gas_agrees_with_its_measurement():
     """studies/sheared_gas.nc: viscosity at equal temperature, and the stress at equal shear rate, within 3
-    standard errors of the measurement plus 0.1 t_c ν for what first order and ε → 1 leave out."""
+    standard errors of the measurement plus 0.12 t_c ν for what first order and correlations of velocities leave."""
     with xr.open_dataset(STUDIES / "sheared_gas.nc") as file:
         ds = file.load()
 
@@ -395,13 +439,15 @@ def test_the_sheared_gas_agrees_with_its_measurement():
             continue
         x = float(tc_nu) * math.sqrt(float(here.temperature.sel(model="newton").mean()))
         stress = here.viscosity * np.sqrt(here.temperature)
-        of_stress = law(float(phi), float(epsilon)).sheared_errors(x).stress
-        for values, error in ((here.viscosity, x * module.viscosity_error(float(phi))), (stress, of_stress)):
+        driven = law(float(phi), float(epsilon))
+        temperature, of_stress = driven.sheared_errors(x)
+        viscosity = (1.0 + temperature) * (1.0 + driven.heated_error(x)) ** -1.5 - 1.0
+        for values, error in ((here.viscosity, viscosity), (stress, of_stress)):
             (hard, hard_error), (soft, other) = (
                 mean(values.sel(model=model)) for model in ("constant", "newton")
             )
             bar = hard / soft * math.hypot(hard_error / hard, other / soft)
-            assert abs(hard / soft - 1.0 - error) < 3.0 * bar + 0.1 * x, (phi, epsilon, tc_nu)
+            assert abs(hard / soft - 1.0 - error) < 3.0 * bar + 0.12 * x, (phi, epsilon, tc_nu)
             compared += 1
     assert compared == 32
 

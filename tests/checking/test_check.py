@@ -1751,7 +1751,11 @@ def test_the_steady_speed_balances_power_and_loss(radius, stiffness, restitution
     volume = 4.0 / 3.0 * math.pi * radius**3
     gas = theory.Gas(1, radius, ball.mass, volume / phi, 3)
     e = law.between(ball, ball).restitution(pair.speed)
-    t = gas.sheared_temperature(1e5 * drive, e) if sheared else gas.heated_temperature(drive * ball.mass, e)
+    t = (
+        gas.rotating(e, 0.0, 0.0).sheared_temperature(1e5 * drive)
+        if sheared
+        else gas.heated_temperature(drive * ball.mass, e)
+    )
     assert pair.speed == pytest.approx(math.sqrt(math.pi * t), rel=1e-6)
     assert pair.restitution == pytest.approx(e, rel=1e-6)
     assert pair.tc_nu == pytest.approx(pair.duration * float(gas.collision_rate(t)), rel=1e-6)

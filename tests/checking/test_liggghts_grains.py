@@ -223,7 +223,7 @@ def test_a_shear_rate_gives_the_speed_up_to_half_packed_spheres():
     for phi in (0.49, 0.5):
         verdict = hl.check(script.format(phi))
         gas = hl.theory.Gas(1, 1e-3, 2500.0 * 4e-9 / 3.0 * math.pi, 4e-9 / 3.0 * math.pi / phi, 3)
-        expected = math.sqrt(math.pi * gas.sheared_temperature(100.0, 0.9))
+        expected = math.sqrt(math.pi * gas.rotating(0.9, 0.0, 0.0).sheared_temperature(100.0))
         assert verdict.rows[0].speed == pytest.approx(expected, rel=0.01) and verdict.rows[0].tc_nu
         assert (
             hl.check(script.format(phi).replace("lebc 100", "lebc 200")).rows[0].tc_nu > verdict.rows[0].tc_nu

@@ -136,24 +136,6 @@ class ShearedErrors(NamedTuple):
     stress: float  #: of shear stress, apparent viscosity and dissipation
 
 
-def viscosity_error(phi: float) -> float:
-    """Error of the shear viscosity of hard spheres at equal kinetic temperature, per t_c ν; ε → 1, linear springs.
-
-    Enskog's viscosity, in units of that of a thin gas, is (1 + P)²/χ + M with P = 8φχ/5 and M = 768φ²χ/(25π). To first
-    order in w/d = t_c ν/(24φχ), the kinetic stress of soft spheres relaxes more slowly by R w/d, their coupling P is
-    less by C w/d, and M, of collisions between layers of the flow, by L w/d: docs/driven_gases.md.
-    """
-    gas = fluid(3, phi)
-    chi, s, growth = gas.contact_value, gas.slope, gas.growth
-    coupling, layers = 1.6 * phi * chi, 768.0 / (25.0 * math.pi) * phi**2 * chi
-    kinetic = (1.0 + coupling) ** 2 / chi
-    slower = 0.5 * math.pi + s + growth  # R
-    uncoupled = 7.5 + 0.5 * s + growth  # C
-    lost = 13.0 / 8.0 * math.pi + (1.0 - 0.25 * math.pi) * s + growth  # L
-    change = kinetic * slower - 2.0 * coupling * (1.0 + coupling) / chi * uncoupled - layers * lost
-    return -change / ((kinetic + layers) * gas.density)
-
-
 # --- the result ---------------------------------------------------------------------------------------------
 
 
@@ -287,48 +269,57 @@ class ErrorLaw:
         -----
         Shear works η γ̇² per volume. With η ∝ √T and the dissipation ∝ T^(3/2) of hard spheres, their temperature is
         (1 + e_η)/(1 + e_Γ) times that under Newton's equations, where e are the errors of viscosity and dissipation at
-        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η is that of Enskog's viscosity, with
-        what friction changes in the contacts of a gas in its steady state.
+        equal kinetic temperature. e_Γ is that of :meth:`ErrorLaw.heated_error`; e_η follows from means over contacts,
+        which last under Newton's equations.
 
         Examples
         --------
         >>> law = hl.error_law(packing_fraction=0.3, restitution=0.9)
         >>> f"stress {law.sheared_errors(0.1).stress:.1%}"
-        'stress 4.6%'
+        'stress 5.3%'
         """
         x = _tc_nu(tc_nu)
         if reason := self.no_shear():
             accepted = f"spheres up to φ = {FLUID[3]:g} with linear springs and a constant ε"
             raise ValueError(f"sheared_errors: got {reason}, must be {accepted}")
-        viscosity = 1.0 + x * (viscosity_error(self.packing_fraction) + self._viscosity_change())
         heated = self.heated_error(x)
-        if not (viscosity > 0.0 and heated > -1.0):
+        if not heated > -1.0:
             return ShearedErrors(math.nan, math.nan)
         dissipating = (1.0 + heated) ** -1.5
+        viscosity = self._viscosity_ratio(x, 1.0 / dissipating)
         temperature = viscosity / dissipating
         return ShearedErrors(temperature - 1.0, viscosity * math.sqrt(temperature) - 1.0)
 
-    def _viscosity_change(self) -> float:
-        """By how much friction changes the error of the viscosity over t_c ν; 0 for smooth spheres."""
-        if self.smooth is None or self._setting is None or self.friction is None:
-            return 0.0
-        setting, gas = self._setting, fluid(3, self.packing_fraction)
-        state = frictional_error.heated_state(setting, 1.0 + (LINEAR.damping + 1.0) / LINEAR.energy)
-        if state is None:
-            return math.nan
-        balance, theta = state
-
-        def slope(law: ErrorLaw, flowing: sheared_error.Flowing, loss: float) -> float:
-            dissipation = 1.5 * math.log1p(law.heated_error(sheared_error.SMALL)) / sheared_error.SMALL
-            fluid_of = {"density": gas.density, "slope": gas.slope, "growth": gas.growth}
-            return sheared_error.viscosity_slope(flowing, **fluid_of, loss=loss, loss_slope=dissipation)
-
-        rubbing = sheared_error.flowing(setting._replace(theta=theta))
-        sliding = sheared_error.flowing(setting._replace(friction=SMOOTH, theta=0.0))
-        loss = -float(balance.collision(theta)[0])
-        with_friction = slope(self, rubbing, loss)
-        without = slope(self.smooth, sliding, 1.0 - self.restitution**2)
-        return min(self.friction.coefficient / WEAK, 1.0) * (without - with_friction)
+    def _viscosity_ratio(self, x: float, dissipation: float) -> float:
+        """Of hard spheres over Newton's equations at equal temperature, where the dissipation of these is that of hard
+        spheres times ``dissipation``; NaN if it is not known."""
+        gas = fluid(3, self.packing_fraction)
+        fluid_of = {"density": gas.density, "slope": gas.slope, "growth": gas.growth, "tc_nu": x}
+        setting, weight = self._setting, 0.0
+        if self.smooth is not None and setting is not None and self.friction is not None:
+            weight = min(self.friction.coefficient / WEAK, 1.0)
+        ratio = 0.0
+        if weight < 1.0:
+            sliding = frictional_error.Setting(3, self.restitution, SMOOTH, 0.0, spins.SOLID[3])
+            loss = 1.0 - self.restitution**2
+            flowing = sheared_error.flowing(sliding)
+            ratio += (1.0 - weight) * sheared_error.viscosity_ratio(
+                flowing, **fluid_of, loss=loss, dissipation=dissipation
+            )
+        if weight > 0.0:
+            assert setting is not None
+            state = frictional_error.heated_state(setting, 1.0 + (LINEAR.damping + 1.0) / LINEAR.energy)
+            if state is None:
+                return math.nan
+            balance, theta = state
+            flowing, loss = (
+                sheared_error.flowing(setting._replace(theta=theta)),
+                -float(balance.collision(theta)[0]),
+            )
+            ratio += weight * sheared_error.viscosity_ratio(
+                flowing, **fluid_of, loss=loss, dissipation=dissipation
+            )
+        return ratio
 
     def _kinetic_share(self, x: float) -> float:
         """Kinetic energy under Newton's equations over that which contacts will not dissipate; NaN if one is none."""

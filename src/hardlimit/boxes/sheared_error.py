@@ -21,9 +21,10 @@ from .transport import Transport, impacts, of_collisions, viscosity
 
 #: Relative changes of the means by the pressure of neighbours over s w/d, those of smooth spheres.
 PRESSED: Final = Transport(0.0, 0.5, 0.5, 0.25 * math.pi)
-#: t_c ν at which slopes are taken.
-SMALL: Final = 1e-4
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(INSTANTS)
+#: Nodes in the normal and in the tangential velocity of smooth spheres, and the largest of both.
+SPEEDS: Final = 12
+FASTEST: Final = 12.0
 
 
 class Flowing(NamedTuple):
@@ -33,39 +34,65 @@ class Flowing(NamedTuple):
     turned: Transport
 
 
-def viscosity_slope(
-    flowing: Flowing, *, density: float, slope: float, growth: float, loss: float, loss_slope: float
+def viscosity_ratio(
+    flowing: Flowing,
+    *,
+    density: float,
+    slope: float,
+    growth: float,
+    loss: float,
+    tc_nu: float,
+    dissipation: float,
 ) -> float:
-    """d ln η/d(t_c ν) under Newton's equations at equal kinetic temperature.
+    """Viscosity of hard spheres over that under Newton's equations at equal kinetic temperature.
+
+    Means change to first order in t_c ν, by which none becomes negative. NaN where nothing is left of the relaxation.
 
     ``density``, ``slope``, ``growth``: D 2^D φ χ, s and D φ χ'/χ of the fluid. ``loss``: of a collision in m T.
-    ``loss_slope``: d ln of the dissipation at equal temperature.
+    ``dissipation``: that under Newton's equations over that of hard spheres at equal temperature.
     """
     rate, hard = density / math.sqrt(math.pi), flowing.hard
-    # The source follows the response by Onsager's symmetry.
-    turned = flowing.turned._replace(source=flowing.turned.response)
     after = Transport(
         *(
-            mean * (1.0 + SMALL * (turn + slope * (press - 1.0) - growth) / density)
-            for mean, turn, press in zip(hard, turned, PRESSED, strict=True)
+            mean * max(1.0 + tc_nu * (turn + slope * (press - 1.0) - growth) / density, 0.0)
+            for mean, turn, press in zip(hard, flowing.turned, PRESSED, strict=True)
         )
     )
-    dissipating = loss * (1.0 + SMALL * loss_slope)
-    return math.log(viscosity(after, rate, dissipating) / viscosity(hard, rate, loss)) / SMALL
+    if not after.relaxation > 0.0:
+        return math.nan
+    return viscosity(hard, rate, loss) / viscosity(after, rate, loss * dissipation)
 
 
 @lru_cache(maxsize=128)
 def flowing(setting: Setting) -> Flowing:
     """The means of spheres at the temperature ratio of the setting."""
     contact = setting.contact()
-    velocities, spins = impacts(TURNING[True], setting.theta, contact.ball.inertia_factor, 3)
+    pairs = _smooth_impacts() if setting.friction.coefficient == 0.0 else _impacts(contact, setting.theta)
     diameter = mean_duration(contact) / (math.sqrt(math.pi) * SIZE)
-    turning, hard = (_transport(contact, d, velocities, spins) for d in (diameter, FLAT * diameter))
+    turning, hard = (_transport(contact, d, *pairs) for d in (diameter, FLAT * diameter))
     changes = ((turn / flat - 1.0) / SIZE for turn, flat in zip(turning, hard, strict=True))
     return Flowing(hard, Transport(*changes))
 
 
-def _transport(contact: Contact, diameter: float, velocities: Floats, spins: Floats) -> Transport:
+def _impacts(contact: Contact, theta: float) -> tuple[Floats, Floats, Floats]:
+    """Velocities, spins times the diameter, and weights of pairs that collide."""
+    velocities, spins = impacts(TURNING[True], theta, contact.ball.inertia_factor, 3)
+    return velocities, spins, np.full(len(velocities), 1.0 / len(velocities))
+
+
+def _smooth_impacts() -> tuple[Floats, Floats, Floats]:
+    """Those of smooth spheres, which depend on two speeds only."""
+    node, of_node = np.polynomial.legendre.leggauss(SPEEDS)
+    speed = 0.5 * FASTEST * (1.0 + node)
+    share = 0.25 * FASTEST * of_node * speed * np.exp(-0.25 * speed**2)
+    velocities = np.zeros((SPEEDS**2, 3))
+    velocities[:, 2], velocities[:, 0] = -np.repeat(speed, SPEEDS), np.tile(speed, SPEEDS)
+    return velocities, np.zeros_like(velocities), np.outer(share, share).ravel()
+
+
+def _transport(
+    contact: Contact, diameter: float, velocities: Floats, spins: Floats, weights: Floats
+) -> Transport:
     """That of contacts at a diameter; ``spins``: times it."""
     normal = np.array([0.0, 0.0, 1.0])
     ratio = contact.effective_mass / contact.tangential_mass - 1.0
@@ -80,4 +107,4 @@ def _transport(contact: Contact, diameter: float, velocities: Floats, spins: Flo
         first, last = diameter * normal, diameter * normal + np.array(end["shift"])
         virials[i] = (np.outer(after, last) - np.outer(v, first) - squares) / diameter
         changes[i] = np.outer(after, after) - np.outer(v, v)
-    return of_collisions(changes, virials, velocities)
+    return of_collisions(changes, virials, velocities, weights)

@@ -1,4 +1,4 @@
-"""Shear viscosity of a gas of spheres from means over its collisions, of any rule of collision.
+"""Shear viscosity of a gas of spheres from means over its collisions, which may last.
 
 To first order in the shear rate the velocities have ⟨c c⟩ = T (1 + A), and a pair that touches moves at E·k d besides,
 with E the symmetric gradient of the flow and k the normal. Both are weights of the collisions of a gas at rest,
@@ -18,14 +18,11 @@ Enskog's viscosity.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .box import Floats
-
-COLLISIONS: Final = 4096  #: of the means
 
 
 class Transport(NamedTuple):
@@ -47,45 +44,25 @@ def viscosity(transport: Transport, rate: float, loss: float) -> float:
     return kinetic * coupled + layers
 
 
-def of_collisions(changes: Floats, virials: Floats, velocities: Floats) -> Transport:
+def of_collisions(changes: Floats, virials: Floats, velocities: Floats, weights: Floats) -> Transport:
     """From the changes of g g, the virials over m d/2, and g at touch, in a gas of T = 1; the normal is z."""
     normal = np.zeros_like(velocities)
     normal[:, 2] = 1.0
     means = (
-        -_along(changes, velocities, velocities),
-        20.0 / 3.0 * np.trace(virials, axis1=1, axis2=2) - _along(changes, normal, velocities),
-        _along(virials, velocities, velocities),
-        -_along(virials, normal, velocities),
+        -along(changes, velocities, velocities),
+        20.0 / 3.0 * np.trace(virials, axis1=1, axis2=2) - along(changes, normal, velocities),
+        along(virials, velocities, velocities),
+        -along(virials, normal, velocities),
     )
-    return Transport(*(float(mean.mean()) / 80.0 for mean in means))
+    return Transport(*(float(weights @ mean) / 80.0 for mean in means))
 
 
-def _along(tensors: Floats, first: Floats, second: Floats) -> Floats:
+def along(tensors: Floats, first: Floats, second: Floats) -> Floats:
     """The symmetric traceless parts of tensors, contracted with two vectors each."""
-    symmetric = 0.5 * (_products(first, second) + _products(second, first))
-    trace = np.trace(tensors, axis1=1, axis2=2) * np.sum(first * second, axis=1)
-    along: Floats = np.einsum("nij,nij->n", tensors, symmetric) - trace / 3.0
-    return along
-
-
-def _products(first: Floats, second: Floats) -> Floats:
-    product: Floats = first[:, :, None] * second[:, None, :]
-    return product
-
-
-def of_rule(restitution: float, beta: Callable[[Floats], Floats], theta: float, q: float) -> Transport:
-    """That of hard spheres with β(tan γ). ``theta``: T_r/T. ``q``: inertia factor."""
-    velocities, spins = impacts(COLLISIONS, theta, q, 3)
-    speed = -velocities[:, 2]
-    surface = velocities[:, :2] + np.stack([-spins[:, 1], spins[:, 0]], axis=1)
-    tangents = np.linalg.norm(surface, axis=1) / speed
-    impulses = np.zeros_like(velocities)  # over m/2
-    impulses[:, 2] = (1.0 + restitution) * speed
-    impulses[:, :2] = -((1.0 + beta(tangents)) / (1.0 + 1.0 / q))[:, None] * surface
-    after, normal = velocities + impulses, np.zeros_like(velocities)
-    normal[:, 2] = 1.0
-    changes = _products(after, after) - _products(velocities, velocities)
-    return of_collisions(changes, _products(impulses, normal), velocities)
+    forth, back = (np.einsum(f"n{ij},ni,nj->n", tensors, first, second) for ij in ("ij", "ji"))
+    contracted: Floats = 0.5 * (forth + back)
+    contracted -= np.trace(tensors, axis1=1, axis2=2) * np.sum(first * second, axis=1) / 3.0
+    return contracted
 
 
 def impacts(n: int, theta: float, q: float, dimension: int) -> tuple[Floats, Floats]:

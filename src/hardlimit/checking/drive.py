@@ -110,7 +110,7 @@ class Drive:
         if self.power is not None:
             return gas.heated_temperature(self.power, restitution)
         if self.shear_rate is not None:
-            return gas.sheared_temperature(self.shear_rate, restitution)
+            return gas.rotating(restitution, 0.0, 0.0).sheared_temperature(self.shear_rate)
         assert self.bath is not None
         hot, rate = self.bath.temperature / (1.0 if self.per_mass else gas.mass), self.bath.rate
         # rate (T_b − T) = (1 − ε²) ν(T) T/d with ν ∝ √T, in x = √(T/T_b): x² + c x³ = 1.
@@ -188,10 +188,10 @@ class Drive:
             return Steady(math.sqrt(math.pi * self.temperature(gas, restitution)))
         if self.shear_rate is not None:
             try:
-                temperature = rubbing.sheared_temperature(self.shear_rate)
+                sheared = rubbing.sheared_state(self.shear_rate)
             except ValueError:  # nothing is dissipated
                 return Steady(0.0)
-            return Steady(math.sqrt(math.pi * temperature), rubbing.heated_temperature_ratio())
+            return Steady(math.sqrt(math.pi * sheared.temperature), sheared.temperature_ratio)
         heated = rubbing.heated_state(*self.heats(gas))
         if heated is None:
             return Steady(0.0)
@@ -214,11 +214,11 @@ class Drive:
         assert self.shear_rate is not None
         if not LEAST_IN_SHEAR <= restitution <= 1.0 - ELASTIC:
             return None
-        # Stress times shear rate is the loss of a collision times T^(3/2).
-        hotter = self.temperature(gas, restitution) / rubbing.sheared_temperature(self.shear_rate)
-        theta = rubbing.heated_temperature_ratio()
-        loss = -rubbing.mean_collision(0.0 if math.isnan(theta) else theta).energy_change
-        return float((1.0 - restitution**2) / loss * hotter**1.5 - 1.0)
+        of_both = (
+            one.sheared_state(self.shear_rate) for one in (gas.rotating(restitution, 0.0, 0.0), rubbing)
+        )
+        smooth, rough = (-float(state.pressure_tensor[0, 1]) for state in of_both)
+        return smooth / rough - 1.0
 
     def gas(self, case: Case, dimension: int, packing_fraction: float | None) -> Gas | None:
         """One grain of the mean size and mass of a contact's grains, in its share of the box; None if not known."""
