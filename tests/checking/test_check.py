@@ -2000,3 +2000,18 @@ def test_the_softest_stiffness_of_a_driven_gas_is_admissible(stiffness, restitut
     row = found(stiffness).rows[0]
     assert found(1.001 * row.spring[2]).admissible is True
     assert found(0.97 * row.spring[2]).admissible is not True
+
+
+def test_a_variable_that_the_script_does_not_have_is_named(tmp_path):
+    text = script(
+        "variable k index 1e5\npair_style granular\npair_coeff * * hooke ${k} 0.9 damping coeff_restitution"
+    )
+    named = [note.what for note in hl.check(text, speed=0.1, variables={"K": "2e5"}).warnings]
+    assert "the script has no variable K, which was given" in named
+    (tmp_path / "in.contact").write_text(
+        "pair_style granular\npair_coeff * * hooke ${k} 0.9 damping coeff_restitution\n"
+    )
+    (tmp_path / "in.box").write_text(script("include in.contact"))
+    for source in (text, tmp_path / "in.box"):
+        verdict = hl.check(source, speed=0.1, variables={"k": "2e5"})
+        assert verdict.rows[0].spring[1] == 2e5 and not verdict.warnings
