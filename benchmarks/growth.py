@@ -163,7 +163,7 @@ def draw(panels: dict[tuple[str, str], list[tuple[float, float]]]) -> plt.Figure
         "N": "number of particles N",
         "φ": "packing fraction φ",
         "size ratio": "size ratio (1 % large)",
-        "t_c ν": "t_c ν",
+        "t_c ν": r"$t_c\nu$",
     }
     for ax, panel in zip(axes, labels, strict=True):
         for (of, engine), points in panels.items():

@@ -269,7 +269,12 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
                 for _, ratio, steps in compared(ds, name, kind)
             ]
             options = {"marker": marker, "ms": 4, "ls": "", "color": PALETTE[color]}
-            overlap.plot([x for x, *_ in rows], [ratio for _, ratio, _ in rows], label=kind, **options)
+            overlap.plot(
+                [x for x, *_ in rows],
+                [ratio for _, ratio, _ in rows],
+                label=kind.replace("hertz", "Hertz"),
+                **options,
+            )
             pairs = [(x, value) for x, _, steps in rows for value in steps]
             step.plot(*np.array(pairs).reshape(-1, 2).T, **options)
         overlap.axhspan(0.95, 1.05, color="0.9", zorder=0)

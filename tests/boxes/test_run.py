@@ -252,6 +252,13 @@ def test_bad_arguments_are_refused_in_one_line(which):
     assert str(refusal.value).startswith(message) and "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize("misspelled", ["restitutoin", "contact_durtion"])
+def test_a_misspelled_argument_is_named(misspelled):
+    """Also where nothing else is given."""
+    with pytest.raises(TypeError, match=f"got an unexpected keyword argument '{misspelled}'"):
+        hl.event_driven(lattice(8), until=1e-3, **{misspelled: 0.9})
+
+
 def test_progress_counts_collisions():
     told = []
     run = hl.event_driven(lattice(64), restitution=0.9, until=0.05, progress=lambda *seen: told.append(seen))

@@ -600,6 +600,11 @@ def test_corrected_lines_give_the_restitution_that_was_asked_for(contact):
     again = hl.check("\n".join(lines))
     for row, old in zip(again.rows, verdict.rows, strict=True):
         assert row.restitution == pytest.approx(old.restitution_asked, abs=1e-4)
+        assert row.restitution_asked == old.restitution_asked  # from the comment; the number is another one
+    assert "differs from ε asked" not in " ".join(again.remarks)
+    assert not [line for line in again.corrected if "timestep" not in line]
+    other = hl.check(re.sub(r"restitution of [\d.]+", "restitution of 0.5", "\n".join(lines)))
+    assert [line for line in other.corrected if line.endswith("  # for a restitution of 0.5")]
     assert not [line for line in hl.check(script(HOOKE), speed=1.0).corrected if "timestep" not in line]
 
 
@@ -619,6 +624,35 @@ set group all diameter 1e-2 density 2500
 fix integr all nve/sphere
 run 1000
 """
+
+
+def test_a_corrected_matrix_of_one_number_is_not_corrected_again():
+    text = COHESIVE.format("0").replace("hertz cohesion sjkr", "hertz limitForce on")
+    (line,) = [line for line in hl.check(text, speed=0.5).corrected if "Restitution" in line]
+    assert line.endswith("  # for a restitution of 0.6")
+    (old,) = [old for old in text.splitlines() if "Restitution" in old]
+    again = hl.check(text.replace(old, line), speed=0.5)
+    assert again.rows[0].restitution_asked == 0.6
+    assert again.rows[0].restitution == pytest.approx(0.6, abs=1e-4)
+    assert not [line for line in again.corrected if "Restitution" in line]
+
+
+@pytest.mark.parametrize("matrix", ["2 0.6 0.5 0.5 0.7", "2 0.6 0.6 0.6 0.6"])
+def test_a_matrix_over_types_is_corrected_as_a_whole(matrix):
+    text = COHESIVE.format("0").replace("hertz cohesion sjkr", "hertz limitForce on")
+    text = re.sub("peratomtype (.*)", r"peratomtype \1 \1", text).replace("create_box 1", "create_box 2")
+    text = text.replace("peratomtypepair 1 0.6", f"peratomtypepair {matrix}")
+    text = text.replace("peratomtypepair 1 0", "peratomtypepair 2 0 0 0 0")
+    text = text.replace("set group", "create_atoms 2 random 10 1 reg\nset group")
+    verdict = hl.check(text, speed=0.5)
+    assert "ε given differs from ε asked" in " ".join(verdict.remarks)
+    (line,) = [line for line in verdict.corrected if "Restitution" in line]
+    assert line.endswith("  # for a restitution of 0.6") is ("0.5" not in matrix)
+    (old,) = [old for old in text.splitlines() if "Restitution" in old]
+    again = hl.check(text.replace(old, line), speed=0.5)
+    for row, before in zip(again.rows, verdict.rows, strict=True):
+        assert row.restitution == pytest.approx(before.restitution_asked, abs=1e-4)
+    assert ("ε given differs from ε asked" in " ".join(again.remarks)) is ("0.5" in matrix)
 
 
 def test_cohesion_is_part_of_the_restitution():
@@ -1970,3 +2004,18 @@ def test_the_softest_stiffness_of_a_driven_gas_is_admissible(stiffness, restitut
     row = found(stiffness).rows[0]
     assert found(1.001 * row.spring[2]).admissible is True
     assert found(0.97 * row.spring[2]).admissible is not True
+
+
+def test_a_variable_that_the_script_does_not_have_is_named(tmp_path):
+    text = script(
+        "variable k index 1e5\npair_style granular\npair_coeff * * hooke ${k} 0.9 damping coeff_restitution"
+    )
+    named = [note.what for note in hl.check(text, speed=0.1, variables={"K": "2e5"}).warnings]
+    assert "the script has no variable K, which was given" in named
+    (tmp_path / "in.contact").write_text(
+        "pair_style granular\npair_coeff * * hooke ${k} 0.9 damping coeff_restitution\n"
+    )
+    (tmp_path / "in.box").write_text(script("include in.contact"))
+    for source in (text, tmp_path / "in.box"):
+        verdict = hl.check(source, speed=0.1, variables={"k": "2e5"})
+        assert verdict.rows[0].spring[1] == 2e5 and not verdict.warnings

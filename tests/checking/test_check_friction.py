@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -557,3 +558,55 @@ def test_numbers_alone_may_be_answered_with_yes():
     assert "walls" not in smooth.sentence
     box = hl.ParticleSystem.random(50, 0.1, radius=1e-3, density=2500.0, rms_speed=0.3, boundary="wall")
     assert hl.check(box, law=law).admissible is None
+
+
+DAMPED = """units si
+atom_style sphere
+region box block 0 0.04 0 0.04 0 0.026
+create_box 1 box
+create_atoms 1 random 2000 7 box overlap 0.002 maxtry 500
+set type 1 diameter 0.002 density 2500
+pair_style gran/hooke/history {:.17g} {:.17g} {:.17g} NULL 0.3 1
+pair_coeff * *
+velocity all create 1e16 3
+fix move all nve/sphere
+timestep 1e-6
+run 1
+"""
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 2e3])
+def test_a_stiffness_that_is_offered_or_asked_for_holds_with_what_must_stay_the_same(stiffness) -> None:
+    numbers = np.array([stiffness, 2.0 / 7.0 * stiffness, 5000.0])
+    verdict = hl.check(DAMPED.format(*numbers))
+    assert verdict.admissible is (stiffness == 1e5)
+    assert re.search(
+        r"stiffness of \S+ N/m (from|instead of) \S+, with the same ε and k_t/k_n[;.]", verdict.sentence
+    )
+    _, value, needed = verdict.rows[0].spring
+    assert value == stiffness
+    factor = 1.001 * needed / value
+    same = hl.check(DAMPED.format(*numbers * [factor, factor, math.sqrt(factor)]))
+    assert same.admissible is True
+    assert same.rows[0].restitution == pytest.approx(verdict.rows[0].restitution, abs=1e-6)
+    stiffness_alone = hl.check(DAMPED.format(*numbers * [factor, 1.0, 1.0]))
+    assert stiffness_alone.admissible is not True
+
+
+def test_what_the_script_keeps_by_itself_is_not_asked_for() -> None:
+    smooth = hl.check(
+        BALL, law=hl.LinearDashpot(stiffness=1e4, restitution=0.9), speed=0.3, packing_fraction=0.3
+    )
+    assert re.search(r"instead of 1e4\.", smooth.sentence)
+    damped = hl.check(
+        BALL, law=hl.LinearDashpot(stiffness=1e4, damping=0.01), speed=0.3, packing_fraction=0.3
+    )
+    assert re.search(r"instead of 1e4, with the same ε\.", damped.sentence)
+
+
+def test_hardly_any_friction_is_said_in_whole_sentences() -> None:
+    friction = hl.Friction(1e-9)
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.9, friction=friction)
+    verdict = hl.check(BALL, law=law, speed=0.3, packing_fraction=0.3)
+    assert "slides at every angle;" in words([verdict.rows[0].friction])
+    assert "without, it cools less than 0.001 % too slowly" in verdict.sentence

@@ -51,6 +51,7 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
     again = run("gas", "compare", *options).stdout
     assert again in text and text.startswith(again)
     assert "was made with seed 0, not 5" in refused("gas", "compare", *options, "--seed", 5)
+    assert "was made with another start; " in refused("gas", "compare", "--n", 41, *options[2:])
 
 
 def test_one_replica_and_one_model(start: Path) -> None:

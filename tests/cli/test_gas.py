@@ -563,6 +563,7 @@ BAD = {
     "save": (["--save", "run.zarr"], "--save: got 'run.zarr', must end in .nc"),
     "folder": (["--plot", "no/a.png"], "--plot: got 'no/a.png', must be in an existing folder"),
     "checkpoint": (["--checkpoint", "no/a"], "checkpoint: got 'no/a', must be a file in a folder"),
+    "checkpoint without a file": (["--checkpoint-every", 5], "-every: must be left out without --checkpoint"),
     "resume": (["--resume", "none"], "none: no such file"),
     "file": (["box.pdb"], "FILE: got 'box.pdb', must end in .toml, .xyz"),
     "no file": (["none.xyz"], "none.xyz: no such file"),

@@ -148,7 +148,11 @@ def beside(name: str, typed: str) -> list[str]:
     both = {"--friction": "0.5", "--tangential-restitution": "0.3"}
     if name == "gas" and typed in both:
         words += [word for option in both.items() if option[0] != typed for word in option]
-    return words + (["--rule", "tc"] if (name, typed) == ("gas", "--contact-duration") else [])
+    needed = {
+        "--contact-duration": ["--rule", "tc"],
+        "--checkpoint-every": ["--checkpoint", "run.checkpoint"],
+    }
+    return [*words, *(needed.get(typed, []) if name == "gas" else [])]
 
 
 def beside_conversion(typed: str) -> list[str]:

@@ -55,6 +55,7 @@ def test_percentages() -> None:
         0.0002: "0.02 %",
         1e-6: "less than 0.001 %",
         0.01: "1 %",
+        2.17e28: "2.17e30 %",
     }
     assert {fraction: percent(fraction) for fraction in without} == without
 

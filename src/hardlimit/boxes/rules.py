@@ -144,6 +144,9 @@ def checked_settings(
     **parameters: Any,
 ) -> Settings:
     """The rule of a run, from arguments of :func:`hardlimit.event_driven`; ``parameters`` are those of all rules."""
+    for name in parameters:
+        if name not in PARAMETERS:
+            raise TypeError(f"event_driven() got an unexpected keyword argument {name!r}")
     parameter = validation.exactly_one(law=law, restitution=restitution)
     if parameter == "law":
         checked_law(law)
@@ -168,8 +171,6 @@ def _checked_parameters(rule: str, parameters: Mapping[str, Any]) -> dict[str, f
             raise ValueError(f"{name}: missing, must be >= 0 for the rule {rule}")
         own[name] = validation.number(name, parameters[name], 0.0, lowest_allowed=True)
     for name, value in parameters.items():
-        if name not in PARAMETERS:
-            raise TypeError(f"event_driven() got an unexpected keyword argument {name!r}")
         if value is not None and name not in own:
             raise ValueError(f"{name}: got {validation.shown(value)}, must be left out for the rule {rule}")
     return own

@@ -175,7 +175,8 @@ def _rubs(rows: Sequence[CheckedContact], question: Question) -> str:
 
 def _about(error: float) -> str:
     """A relative error of which only the size counts."""
-    return f"about {percent(abs(error))}" if error < 9.0 else "more than ten times"
+    size = percent(abs(error))
+    return size if size.startswith("less") else f"about {size}" if error < 9.0 else "more than ten times"
 
 
 def _known_only(question: Question) -> str:
@@ -300,7 +301,8 @@ def _needs(row: CheckedContact) -> str:
             else f"; {percent(ACCEPTED)} takes {_at_least(row.softening)} times the stiffness"
         )
     name, value, needed = row.spring
-    return f"; {percent(ACCEPTED)} takes {stiffness(name)} of {_with_unit(row, needed)} instead of {digits(value, 3)}"
+    text = f"{stiffness(name)} of {_with_unit(row, needed)} instead of {digits(value, 3)}"
+    return f"; {percent(ACCEPTED)} takes {text}{_kept(row)}"
 
 
 def _may(row: CheckedContact) -> str:
@@ -312,6 +314,7 @@ def _may(row: CheckedContact) -> str:
     if needed > HARDLY_SOFTER * value:
         return f"{percent(ACCEPTED)} takes nearly this stiffness"
     text = f"you may soften to {stiffness(name)} of {_with_unit(row, needed)} from {digits(value, 3)}"
+    text += _kept(row)
     overlap = row.softened_overlap or 0.0
     if overlap <= COMPRESSED:
         return text
@@ -322,6 +325,13 @@ def stiffness(name: str) -> str:
     """The parameter that sets the stiffness, in words."""
     words = name.replace("_", " ").replace("youngs", "Young's")
     return f"{'an' if words[0] in 'aeiou' else 'a'} {words}"
+
+
+def _kept(row: CheckedContact) -> str:
+    """What must not change with the stiffness, unless the script keeps it by itself."""
+    spring = row.spring is not None and row.spring[0] == "stiffness"
+    kept = ["ε"] * (row.restitution_asked is None) + ["k_t/k_n"] * bool(spring and row.friction.coefficient)
+    return f", with the same {listed(kept)}" if kept else ""
 
 
 def _with_unit(row: CheckedContact, value: float) -> str:

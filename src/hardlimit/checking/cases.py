@@ -384,6 +384,13 @@ def _just_before(limit: str) -> tuple[int, ...]:
     return (*first, last - 1)
 
 
+def _asked(force: ModelForce) -> float | None:
+    """The ε that the script asks for: that of a corrected line, whose own number is another one, comes first."""
+    asked = force.numbers.get("restitution", force.contact.asked)
+    wanted = {setting.wanted for setting in force.contact.settings.values()} - {None}
+    return asked if asked is None or len(wanted) != 1 else wanted.pop()
+
+
 def _ends(
     number: int,
     stage: Stage,
@@ -427,7 +434,7 @@ def _between(
             second=bodies[1] if len(bodies) > 1 else None,
             force=force,
             model=None if force is None else force.model.name,
-            restitution_asked=None if force is None else force.numbers.get("restitution", contact.asked),
+            restitution_asked=None if force is None else _asked(force),
             clipped=None if force is None else not force.attraction,
             time_step=stage.time_step,
             numerical_damping=stage.numerical_damping,

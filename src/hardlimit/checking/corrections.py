@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -14,8 +14,10 @@ from ..support.formatting import digits
 from .cases import FIXED, ModelForce, force_of
 from .contacts import Case, CheckedContact, restitution
 from .scripts import Setting
+from .scripts.description import WANTED
 from .scripts.formulas import NUMBER
 
+MATRIX: Final = "peratomtypepair"  #: of LIGGGHTS, before the number of types and a row for each
 #: Differences of ε from the one asked for, and errors of ε by the time step, that need no correction.
 TOLERATED: Final = 5e-3
 ENOUGH: Final = 1.05  #: times the accepted error
@@ -45,7 +47,7 @@ def lines(
     ``largest``: the step of a state in which contacts last, where no error of ε matters. A numerical damping is left
     out only if the script asks for an ε below 1, and contacts have one: without it, grains may be undamped.
     """
-    numbers = list(dict.fromkeys(_numbers(examined)))
+    numbers = list(dict.fromkeys(_numbers(examined, code != "yade")))
     lines = dict.fromkeys(numbers)
     wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
     damped = bool(wanted and examined[-1][0].numerical_damping)
@@ -127,8 +129,11 @@ def _rounded(word: str) -> str:
     return f"{float(word):.12g}" if NUMBER.fullmatch(word) else word
 
 
-def _numbers(examined: Examined) -> Iterator[str]:
-    """The lines whose number gives another ε than the one asked for."""
+def _numbers(examined: Examined, commented: bool) -> Iterator[str]:
+    """The lines whose number gives another ε than the one asked for.
+
+    ``commented``: a line says in a comment for which ε it is, so that the next check reads it as the one asked for.
+    """
     needed: dict[tuple[str, ...], list[Need]] = {}
     for case, row in examined:
         wanted, force = case.restitution_asked, case.force
@@ -163,11 +168,37 @@ def _numbers(examined: Examined) -> Iterator[str]:
                 or f"# {name} {new} in place of {_rounded(setting.words[place])}: {setting.text}"
             )
         needed.setdefault((setting.text, *setting.words), []).append(Need(case, new, line))
-    for needs in needed.values():
-        yield from _corrected(needs)
+    statements: dict[str, list[tuple[tuple[str, ...], list[Need]]]] = {}
+    for (text, *words), needs in needed.items():
+        statements.setdefault(text, []).append((tuple(words), needs))
+    for text, settings in statements.items():
+        asked = {need.case.restitution_asked for _, needs in settings for need in needs}
+        one = commented and len(asked) == 1 and not WANTED.search(text)
+        comment = f"  # for a restitution of {asked.pop():g}" if one else ""
+        if MATRIX in text and all(len({need.number for need in needs}) == 1 for _, needs in settings):
+            yield from _matrix(text, {words[0]: needs[0] for words, needs in settings}, comment)
+        else:
+            for _, needs in settings:
+                yield from _corrected(needs, comment)
 
 
-def _corrected(needs: Sequence[Need]) -> Iterator[str]:
+def _matrix(text: str, needs: Mapping[str, Need], comment: str) -> Iterator[str]:
+    """The line of a matrix over types with all numbers that contacts need; none if they have them."""
+    if all(need.line is None for need in needs.values()):
+        return
+    head, name, tail = text.partition(MATRIX)
+    kept = WANTED.search(tail)
+    count, *values = (tail if kept is None else tail[: kept.start()]).split()
+    new = [
+        next((need.number for word, need in needs.items() if _equal(value, word)), None) for value in values
+    ]
+    if None in new:  # of a contact that is not known, or of two walls
+        comment = ""
+    line = " ".join(number or value for number, value in zip(new, values, strict=True))
+    yield f"{head}{name} {count} {line}{comment if kept is None else '  ' + kept[0]}"
+
+
+def _corrected(needs: Sequence[Need], comment: str) -> Iterator[str]:
     """A line for each number that contacts need in one statement; which contacts, if they need several."""
     numbers: dict[str, dict[str, None]] = {}
     for pair in dict.fromkeys(_label(need.case) for need in needs):
@@ -184,7 +215,8 @@ def _corrected(needs: Sequence[Need]) -> Iterator[str]:
             if n != number
         ]
         if line is not None:
-            yield f"{line}  # {', '.join(contacts)}; {'; '.join(others)}" if others else line
+            alone = line if line.startswith("#") else line + comment
+            yield f"{line}  # {', '.join(contacts)}; {'; '.join(others)}" if others else alone
 
 
 def _label(case: Case, full: bool = False, run: bool = False) -> str:

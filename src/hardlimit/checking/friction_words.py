@@ -55,6 +55,8 @@ def _angles(friction: CheckedFriction) -> str:
         return "never slips"
     if sticks > GRAZING:
         return "sticks at all angles"
+    if slides < ONE_ANGLE:
+        return "slides at every angle"
     below = f"sticks below {_degrees(sticks)}" if sticks > ONE_ANGLE else "slips first at every angle"
     if slides - sticks < ONE_ANGLE:
         return f"{below}, slides beyond"

@@ -148,7 +148,7 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     and spin: collisions that do not slide have the --tangential-restitution, or what the contact law gives. Results of
     equal spheres come with the predictions of kinetic theory. Numbers may have a unit, such as 1mm or 2/7.
 
-    hardlimit gas compare solves one start under Newton's equations and each collision rule.
+    hardlimit gas compare solves each start under Newton's equations and each collision rule.
     """
     run = new_run(file, params) if resume is None else resumed(file, resume, params)
     if run is None:

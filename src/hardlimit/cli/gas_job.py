@@ -292,6 +292,8 @@ def make_job(file: str | None, params: dict[str, Any]) -> GasJob:
     law, friction = take_law(params), take_friction_values(params)
     tables = read(file)
     run = changed(tables.get("event_driven", {}), RUN, params)
+    if "checkpoint_every" in run and "checkpoint" not in run:
+        raise ValueError("checkpoint_every: must be left out without --checkpoint")
     return GasJob(
         file=tables.get("start"),
         random=changed(tables.get("random", {}), START, params),

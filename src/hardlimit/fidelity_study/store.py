@@ -63,6 +63,8 @@ class Store:
             kept = header["facts"].get(name)
             if kept != wanted:
                 what = f"{name} {_short(kept)}, not {_short(wanted)}"
+                if name == "start":  # a digest, which tells the reader nothing
+                    what = "another start"
                 raise ValueError(f"store: {path} was made with {what}; repeat that call or take another path")
         replicas: dict[int, Arrays] = {}
         for key, array in flat.items():
@@ -79,4 +81,4 @@ def _short(fact: Any) -> str:
 def facts_of(plan: Any, start: str, seed: int) -> dict[str, Any]:
     """Everything that a replica depends on, except its number."""
     facts = vars(plan) | {"models": list(plan.models), "law": repr(plan.law)}
-    return {"hardlimit_version": _core.version, **facts, "seed": seed, "start": start}
+    return {"hardlimit_version": _core.version, "seed": seed, "start": start, **facts}

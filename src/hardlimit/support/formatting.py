@@ -73,12 +73,14 @@ def listed(names: Sequence[str], last: str = "and") -> str:
 
 
 def percent(fraction: float) -> str:
-    """A percentage with two digits (three from 100 % on) and no exponent; a dash for NaN."""
+    """A percentage with two digits (three from 100 % on), without exponent up to a million; a dash for NaN."""
     value = 100.0 * fraction
     if math.isnan(value):
         return "–"
     if 0.0 < abs(value) < SMALLEST_PERCENTAGE:
         return f"less than {SMALLEST_PERCENTAGE} %"
+    if abs(value) > 1e6:
+        return f"{digits(value, 3)} %"
     text = _rounded(value, (2 if abs(value) >= 99.5 else 1) - _exponent(value))
     return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"
 

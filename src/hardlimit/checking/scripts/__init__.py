@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -128,7 +128,8 @@ def read_text(
     if name == "yade":
         from . import yade
 
-        return replace(yade.read(text, file, variables, part, folder), version=stated)
+        read = yade.read(text, file, variables, part, folder)
+        return replace(read, version=stated, warnings=(*read.warnings, *_unused(variables, text)))
     kind = Liggghts if name == "liggghts" else Lammps
     known = given(variables)
     state = kind(known, folder, stated or (log[1] if log else "") or None, name, types_seen, part)
@@ -138,7 +139,15 @@ def read_text(
             not log[0] and not read.stages[0].units_given
         )
         return replace(read, unknown=(*read.unknown, *late))
-    return state.read(iter(Commands(text, file, folder, known)))
+    read = state.read(iter(Commands(text, file, folder, known)))
+    return replace(read, warnings=(*read.warnings, *_unused(variables, text, known.used)))
+
+
+def _unused(variables: Iterable[str], text: str, used: Collection[str] = ()) -> Iterator[Note]:
+    """Warnings of variables that were given, but are neither in the script nor ``used`` by what it includes."""
+    for name in variables:
+        if name not in used and not re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text):
+            yield Note(f"the script has no variable {name}, which was given")
 
 
 def _opened(source: str | Path) -> tuple[str, str, Path | None]:

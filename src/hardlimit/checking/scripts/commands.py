@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from . import formulas
+from .description import WANTED
 from .reader import names
 from .statements import Branch, Place, Statement, Undefined, logical_lines, refusal, refused, scan, split
 
@@ -327,7 +328,9 @@ class Commands:
         self.count += 1
         if self.count > MAX_STATEMENTS:
             raise refusal(line, raw, f"be part of a shorter loop; {USE_LOG}", frame.file)
-        statement = Statement(line, words, code, file=frame.file)
+        wanted = WANTED.search(raw[sum(len(text) for text, _ in pieces) :])
+        text = code if wanted is None else f"{code.rstrip()}  {wanted[0]}"
+        statement = Statement(line, words, text, file=frame.file)
         if words[0] == "variable":
             if words[2:3] == ("world",) and len(words) > 4 and words[1] not in self.variables.known:
                 yield replace(statement, words=("partition", *words))

@@ -15,6 +15,8 @@ FEW = 2
 DENSEST = 0.75
 #: Second type of a contact with a wall.
 WALL = "wall"
+#: The comment at the end of a corrected line: the ε for which it has its number.
+WANTED = re.compile(r"# for a restitution of (0?\.\d+|[01](?:\.\d*)?)\s*$")
 
 Range = tuple[float, float]  #: smallest and largest value
 Direction = tuple[float, ...]  #: a unit vector
@@ -27,6 +29,12 @@ class Setting:
     words: tuple[str, ...]
     line: int
     text: str
+
+    @property
+    def wanted(self) -> float | None:
+        """The ε for which a corrected line has its number; None without the comment that says so."""
+        comment = WANTED.search(self.text)
+        return None if comment is None else float(comment[1])
 
 
 Settings = dict[str, Setting]
