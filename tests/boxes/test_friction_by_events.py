@@ -295,20 +295,6 @@ def test_single_contacts(law: hl.Law) -> None:
         assert turning == pytest.approx(end["spin"], abs=3e-9 / radius.sum())
 
 
-def test_convergence_of_steps() -> None:
-    """The engine by steps converges to this one at the second order."""
-    system, law, end = cluster(), linear(SPRING), 0.004
-    exact = by_events(system, law, end).system
-    errors = []
-    for step in (4e-7, 2e-7):
-        other = hl.molecular_dynamics(
-            system, law=law, until=end, engine="steps", time_step=step, threads=1
-        ).system
-        errors.append(np.abs(spins_of(other) - spins_of(exact)).max())
-    assert errors[1] < 0.02
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
-
-
 def test_symmetries() -> None:
     """A box turned by a right angle, mirrored, or with its bodies in another order."""
     system, law = cluster(), linear(SPRING)
@@ -340,67 +326,6 @@ def test_symmetries() -> None:
         return of(s.positions * flip + shift, s.velocities * flip, spins_of(s) * axial)
 
     agree(by_events(mirror(system), law, 0.01).system, mirror(end))
-
-
-def test_opposite_spins_give_no_friction() -> None:
-    """An equal pair with ±ω, as gears (Chung & Ooi 2011, test 6)."""
-    spins = np.array([[0.0, 0.0, 300.0], [0.0, 0.0, -300.0]])
-    system = hl.ParticleSystem(
-        positions=[[0.09, 0.1, 0.1], [0.111, 0.1, 0.1]], velocities=[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
-        radius=0.01, mass=0.01, box=[0.2] * 3, angular_velocities=spins,
-    )  # fmt: skip
-    run = by_events(system, linear(SPRING, 1.0), 0.01)
-    assert run.n_contacts == 1
-    assert (spins_of(run.system) == spins).all()
-    assert run.system.velocities == pytest.approx(-system.velocities, abs=1e-9)
-
-
-def test_sliding_on_a_floor() -> None:
-    """A sphere with u0 rolls at 5/7 u0 from 2 u0/(7 μ g) on (LAMMPS' own test)."""
-    mass, radius, gravity, mu, stiffness, speed = 0.01, 0.01, 9.81, 0.3, 1e4, 0.1
-    friction = hl.Friction(mu, stiffness_ratio=2 / 7, damping_ratio=1.0)
-    velocity = np.array([0.6 * speed, 0.8 * speed, 0.0])
-    ball = {
-        "positions": [[0.05, 0.06, radius - mass * gravity / stiffness]], "velocities": [velocity],
-        "radius": [radius], "mass": [mass], "inertia_factor": 0.4, "angular_velocities": [[0.0] * 3],
-        "box": [0.2] * 3, "boundary": ["periodic", "periodic", "wall"], "gravity": [0.0, 0.0, -gravity],
-    }  # fmt: skip
-    rolls = 2.0 * speed / (7.0 * mu * gravity)
-    run = engine_of(ball, linear(friction, 0.5, stiffness))
-    run.advance(0.9 * rolls)
-    slides = np.linalg.norm(run.state()[1])
-    assert slides == pytest.approx(speed - 0.9 * mu * gravity * rolls, rel=5e-3)
-    run.advance(3.0 * rolls)
-    assert run.state()[1][0] == pytest.approx(5 / 7 * velocity, rel=1e-3, abs=1e-6)
-    assert run.spins()[0] == pytest.approx(
-        np.array([-0.8, 0.6, 0.0]) * 5 / 7 * speed / radius, rel=1e-3, abs=1e-4
-    )
-
-
-@pytest.mark.parametrize("tangent", [0.1, 0.6, 1.5])
-def test_hard_limit(tangent: float) -> None:
-    """β of a pair with v t_c/d → 0 is that of a contact with a fixed normal."""
-    deviations = []
-    for stiffness in (1e6, 1e8):
-        law = linear(SPRING, 0.9, stiffness)
-        normal, across = np.array([1.0, 2.0, 2.0]) / 3.0, np.array([2.0, 1.0, -2.0]) / 3.0
-        mass = 0.01 * 0.004 / 0.014
-        contact = core_contact(law, mass, 0.01 * 0.006 / 0.016)
-        end = _core.turning_contact(
-            contact,
-            math.inf,
-            0.016,
-            2.5,
-            np.array([0.0, 0.0, 1.0]),
-            np.array([tangent, 0.0, -1.0]),
-            np.zeros(3),
-        )
-        moving, turning = pair_after(law, -normal + tangent * across, np.zeros((2, 3)), 1.2 * end["duration"])
-        slip = moving - normal * (moving @ normal) - 0.016 * np.cross(turning, normal)
-        fixed = end["velocity"][0] - 0.016 * end["spin"][1]
-        deviations.append(abs(slip @ across - fixed))
-    assert deviations[1] < 3e-3
-    assert deviations[1] < 0.2 * deviations[0]
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "wall"])
@@ -466,16 +391,6 @@ def test_without_friction_nothing_changes(friction: hl.Friction) -> None:
     smooth = by_events(system, linear(friction, 0.9, 2e3), 2e-3).system
     plain = by_events(system, hl.LinearDashpot(stiffness=2e3, restitution=0.9), 2e-3).system
     assert (smooth.velocities == plain.velocities).all()
-
-
-@pytest.mark.slow
-def test_small_friction() -> None:
-    """μ → 0 approaches smooth grains in proportion."""
-    system = gas(n=20)
-    plain = by_events(system, hl.LinearDashpot(stiffness=2e3, restitution=0.9), 2e-3).system
-    for mu in (1e-5, 1e-7):
-        rough = by_events(system, linear(hl.Friction(mu), 0.9, 2e3), 2e-3).system
-        assert np.abs(rough.velocities - plain.velocities).max() < 1e3 * mu
 
 
 @pytest.mark.parametrize(

@@ -514,29 +514,6 @@ def test_a_box_names_its_walls() -> None:
             _core.Box(edges, sides)
 
 
-def test_cooling_follows_haffs_law() -> None:
-    """dT/dt = −(1 − ε²) ν T/3 while the gas is homogeneous: T as a function of the number of collisions."""
-    position, velocity, edge = packed(2000, 0.1)
-    run = engine(position, velocity, box=edge, restitution=0.9, log=False)
-    start = run.observe()["kinetic_energy"]
-    run.advance(math.inf, 20_000)
-    measured = math.log(run.observe()["kinetic_energy"] / start)
-    expected = -(1.0 - 0.9**2) * 20.0 / 3.0  # 20 collisions per particle
-    assert measured == pytest.approx(expected, rel=0.03)
-
-
-def test_pressure_of_elastic_spheres() -> None:
-    """Kolafa, Labík & Malijevský, Phys. Chem. Chem. Phys. 6, 2335 (2004)."""
-    position, velocity, edge = packed(1000, 0.3)
-    run = engine(position, velocity, box=edge, log=False)
-    run.advance(math.inf, 20_000)
-    begin = run.observe()
-    run.advance(math.inf, 200_000)
-    end = run.observe()
-    virial, kinetic = (end[name] - begin[name] for name in ("virial_tensor", "kinetic_integral"))
-    assert 1.0 + virial[:3].sum() / kinetic == pytest.approx(3.9838, rel=0.01)
-
-
 @pytest.mark.slow
 def test_cells_of_particles_that_jump_in_a_sheared_box(tmp_path: Path) -> None:
     """The part alone: each particle is in its cell, and the boundary does the work of the crossings."""

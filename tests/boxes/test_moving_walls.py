@@ -181,19 +181,6 @@ def test_a_chain_pressed_by_two_pistons(name: str) -> None:
     assert seen["n_in_contact"] > 2
 
 
-@pytest.mark.parametrize("threads", [2, 3])
-def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
-    x, v = lattice(24, 2, 0.03, seed=13)
-    walls = [(0.5, -0.8), (0.3, 0.4)]
-    single, several = (engine("steps, linear", x, v, 0.72, walls) for _ in range(2))
-    single.advance(0.01, threads=1)
-    several.advance(0.01, threads=threads)
-    assert single.n_contacts > 50
-    for a, b in zip(single.state(), several.state(), strict=True):
-        assert (a == b).all()
-    assert single.observe()["wall_work"] == several.observe()["wall_work"] != 0.0
-
-
 def test_a_ball_rests_on_a_piston_that_rises() -> None:
     """Weight times distance is the work of the piston."""
     run = engine(

@@ -627,15 +627,6 @@ def test_samples_of_a_contact_follow_the_equation_of_motion(restitution: float) 
         assert positions[0] == pytest.approx(expected, abs=1e-13)
 
 
-def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:
-    """All engines define the pressure alike: short contacts approach instantaneous collisions."""
-    system = random_system(7, n=200, phi=0.2, d=3, boundary="periodic", mixed=False)
-    hard = hl.event_driven(system, restitution=1.0, until=0.02, samples=1)
-    soft = by_events(system, law=hl.LinearDashpot(stiffness=2e8, restitution=1.0), until=0.02, samples=200)
-    expected = float(hard.series.pressure.values[-1])
-    assert float(soft.series.pressure.values[1:].mean()) == pytest.approx(expected, rel=0.03)
-
-
 def test_contacts_with_walls_add_no_virial() -> None:
     x = np.array(list(itertools.product(range(3), repeat=3)), float) * 0.03 + 0.015
     v = np.random.default_rng(7).standard_normal(x.shape)

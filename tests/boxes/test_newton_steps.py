@@ -424,6 +424,35 @@ def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
     assert len(states) == 1 and engine.n_contacts > 500 and engine.statistics()["n_lists"] > 5
 
 
+#: What drives a box, or moves its images.
+DRIVEN = {
+    "kicks": {"thermostat": hl.RandomKicks(power=1e-5, interval=5e-4)},
+    "shaken walls": {
+        "boundary": "wall",
+        "gravity": 9.81,
+        "walls": {
+            "z-": hl.MovingWall(3e-4, 40.0, "parabola"),
+            "x+": hl.MovingWall(1e-4, 60.0, velocity=-0.1),
+        },
+    },
+    "shear across y": {"boundary": ("periodic", "lees-edwards", "periodic"), "shear_rate": 300.0},
+    "shear across z": {"boundary": ("periodic", "periodic", "lees-edwards"), "shear_rate": 300.0},
+}
+
+
+@pytest.mark.parametrize("drive", DRIVEN)
+def test_threads_change_no_bit_of_a_driven_run(drive):
+    system = hl.ParticleSystem.random(600, 0.4, (0.6e-3, 1.4e-3), 2500.0, 0.3, seed=6, **DRIVEN[drive])
+    law = GLASS.replace(stiffness=2e3)
+    single, *several = (
+        molecular_dynamics(system, law=law, until=1.2e-3, threads=threads, samples=2) for threads in (1, 2, 3)
+    )
+    work = single.series[{"kicks": "heat", "shaken walls": "wall_work"}.get(drive, "shear_work")]
+    assert work.values[-1] != 0.0 and single.n_contacts > 100
+    for other in several:
+        assert single.system == other.system and single.series.identical(other.series)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_order_of_many_forces_on_a_body_does_not_depend_on_the_threads(dimension):
     """In a crystal whose particles all overlap: with three or more forces the order of a sum changes its bits."""

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from box_engines import LINEAR, RULES, SOLVERS, solved
 from conftest import draws, refusal, slow
-from hardlimit import _core
 from hardlimit.boxes.walls import least_widening
 
 WAVEFORMS = ("sine", "triangle", "parabola")
@@ -330,34 +329,6 @@ def test_events_and_small_steps_agree(law: str) -> None:
         for h in (4e-6, 1e-6)
     ]
     assert error[1] < 0.15 * error[0] < 1e-6
-
-
-@pytest.mark.parametrize("threads", [2, 3])
-def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
-    system = shaken(5, 400)
-    single, several = (
-        hl.molecular_dynamics(system, law=LINEAR, until=0.004, engine="steps", threads=k, samples=2)
-        for k in (1, threads)
-    )
-    assert single.system == several.system
-    assert single.series.identical(several.series)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_no_body_leaves_its_safety_radius(seed: int) -> None:
-    system = shaken(seed, 40)
-    engine = _core.make_engine(
-        "newton_events",
-        system.domain.of_core(),
-        system.positions,
-        system.velocities,
-        np.ascontiguousarray(system.radius),
-        np.ascontiguousarray(system.mass),
-        law=("linear", 0, [1e4, 0.8], None),
-    )
-    for k in range(1, 20):
-        engine.advance(1e-3 * k)
-        assert engine.largest_safety_use(20) <= 1.0
 
 
 def test_beads_on_a_shaken_floor_condense_or_fluidise() -> None:

@@ -291,16 +291,6 @@ def test_kicks_beyond_the_side_do_work() -> None:
         assert run.energy_error < 1e-10
 
 
-@pytest.mark.parametrize("gradient", [1, 2])
-def test_steps_have_the_same_bits_with_any_number_of_threads(gradient: int) -> None:
-    system = random_system(6, n=600, phi=0.4, d=3, rate=300.0, gradient=gradient, mixed=True)
-    options: dict[str, Any] = {"engine": "steps", "law": LAWS[0], "samples": 4, "until": 1e-3}
-    single, *several = (hl.molecular_dynamics(system, threads=k, **options) for k in (1, 2, 3))
-    assert single.series.shear_work.values[-1] != 0.0
-    for other in several:
-        assert single.system == other.system and single.series.identical(other.series)
-
-
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> None:
     """The final state of a run, with contacts in progress, starts another run, whose images are displaced."""

@@ -95,11 +95,6 @@ def test_the_steady_state_of_the_heated_gas(e: float) -> None:
     assert cumulant == pytest.approx(a2, abs=0.006)
 
 
-def test_a_heated_gas_stays_near_its_temperature() -> None:
-    temperature, _, _ = heated(0.8, 300, 100)
-    assert temperature == pytest.approx(1.0, abs=0.08)
-
-
 @pytest.mark.parametrize("name", ["constant", "events, linear"])
 def test_andersen_reaches_its_temperature(name: str) -> None:
     """A mixture: the same energy for small and large particles, 10 % (sampling)."""
@@ -237,17 +232,6 @@ def test_a_run_interrupted_at_any_instruction_has_the_same_bits(
                 np.testing.assert_array_equal(column, other)  # NaN where a contact goes on
             went_on += 1
     assert went_on > 0.8 * all_of_them.count / every
-
-
-@pytest.mark.parametrize("threads", [2, 3])
-def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
-    system = gas(500)
-    single, several = (
-        hl.molecular_dynamics(system, law=LINEAR, until=0.003, engine="steps", threads=k, samples=2)
-        for k in (1, threads)
-    )
-    assert single.system == several.system
-    assert single.series.identical(several.series)
 
 
 @pytest.mark.parametrize("law", ["linear", "viscoelastic"])

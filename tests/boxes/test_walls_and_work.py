@@ -135,14 +135,6 @@ def test_sums_of_walls_in_clusters_agree_between_the_engines(law: str) -> None:
 
 
 @pytest.mark.slow
-def test_several_threads_keep_the_sums_of_walls() -> None:
-    system = box_of(5, n=600)
-    runs = [solved("steps, linear", system, 0.01, threads=k) for k in (1, 2)]
-    np.testing.assert_array_equal(*(run.series.wall_impulse for run in runs))
-    np.testing.assert_array_equal(*(run.series.wall_energy for run in runs))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["constant", "events, linear", "steps, linear"])
 def test_the_momentum_flux_of_an_elastic_gas_is_its_pressure(engine: str) -> None:
     """Between two walls the centres have the length L − 2R. By the virial theorem P_zz of the whole box is the flux
