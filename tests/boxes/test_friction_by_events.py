@@ -401,11 +401,7 @@ def test_without_friction_nothing_changes(friction: hl.Friction) -> None:
     ],
 )
 def test_refused_friction(friction: hl.Friction, message: str) -> None:
-    law = (
-        hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5, friction=friction)
-        if (friction.model)
-        else linear(friction)
-    )
+    law = hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5, friction=friction)
     with pytest.raises(ValueError, match=message):
         by_events(cluster(), law, 1e-3)
 

@@ -986,24 +986,6 @@ def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
     assert math.isnan(run.contacts.end.values[-1])
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"time_step": 1e-7},
-            "time_step: got 1e-07, must be left out with engine 'events'; 'steps' or 'lammps' accepts it",
-        ),
-        ({"restitution_error": 1e-3}, "restitution_error: got 0.001, must be left out"),
-        ({"threads": 2}, "threads: got 2, must be left out"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(changes: dict[str, Any], message: str) -> None:
-    system = random_system(1, n=8, phi=0.1, d=3, boundary="periodic", mixed=False)
-    with pytest.raises(ValueError, match=message) as refused:
-        by_events(**({"system": system, "law": LAWS[0], "until": 1e-3} | changes))
-    assert "\n" not in str(refused.value)
-
-
 def test_a_box_where_images_meet_is_refused() -> None:
     system = hl.ParticleSystem([[1e-3, 1e-3]], [[1.0, 0.0]], radius=1e-3, density=2500.0, box=[4.1e-3, 0.1])
     with pytest.raises(ValueError, match=r"box: got 0\.0041 m along x \(periodic\), must be >= 0\.0042"):
