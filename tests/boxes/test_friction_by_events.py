@@ -349,22 +349,6 @@ def test_energy_of_gases(dimension: int, boundary: str) -> None:
     assert np.abs(log["tangential_restitution"]).max() < 30.0
 
 
-def test_saved_states() -> None:
-    """A run that is interrupted and loaded goes on with the same bits."""
-    system, law = gas(), linear(SPRING, 0.9, 2e3)
-    whole = engine(system, law, log=True)
-    whole.advance(3e-3)
-    part = engine(system, law, log=True)
-    part.advance(3e-3, max_work=150)
-    assert part.paused
-    part = _core.load_engine("newton_events", part.save())
-    part.advance(3e-3)
-    for first, other in zip((*part.state(), part.spins()), (*whole.state(), whole.spins()), strict=True):
-        assert (first == other).all()
-    assert part.take_log()["end"].tolist() == whole.take_log()["end"].tolist()
-    assert part.observe()["friction_loss"] == whole.observe()["friction_loss"] > 0.0
-
-
 def test_kicks_with_spins() -> None:
     """Velocities and spins change within contacts, which go on: energy jumps by what the kick adds."""
     system, law = gas(), linear(hl.Friction(0.3, stiffness_ratio=0.9, damping_ratio=0.5), 0.9, 2e3)

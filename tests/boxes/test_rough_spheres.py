@@ -242,19 +242,6 @@ def test_restitution_of_the_contact(name: str) -> None:
         assert float(run.collisions.tangential_restitution[row]) == pytest.approx(expected, abs=1e-10)
 
 
-@pytest.mark.parametrize("rule", RULES)
-def test_resumed_run(rule: str, tmp_path: Any) -> None:
-    """A saved run continues with the same bits."""
-    system = start(**BOXES["sizes"])
-    settings = RULES[rule] | {"samples": 4}
-    whole = hl.event_driven(system, **settings, until=0.2)
-    hl.event_driven(system, **settings, until=0.1, checkpoint=tmp_path / "run")
-    resumed = hl.resume(tmp_path / "run", until=0.2)
-    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
-    assert np.array_equal(spins(whole), spins(resumed))
-    assert float(whole.series.friction_loss[-1]) == float(resumed.series.friction_loss[-1])
-
-
 def test_elastic_grains_that_rub_may_collapse_for_the_rule() -> None:
     """Then the advice is another rule; without friction there is no room at ε = 1."""
     rough = {"friction": 0.5, "tangential_restitution": 0.3}

@@ -112,27 +112,6 @@ def test_theory_of_grains_that_rub_is_shown_in_place_of_that_of_smooth_ones() ->
     assert "Haff" in run("gas", *SMALL).stdout and "Haff" not in run("gas", *SMALL, *rubbing).stdout
 
 
-def test_a_run_with_friction_goes_on(tmp_path: Path) -> None:
-    kept = tmp_path / "run.checkpoint"
-    options = [
-        *SMALL[:4],
-        *SPRING,
-        "--friction",
-        0.5,
-        "--engine",
-        "steps",
-        "--rms-spin",
-        "equal",
-        "--samples",
-        4,
-    ]
-    whole = printed("gas", *options, "--until", "2ms")
-    first = printed("gas", *options, "--until", "2ms", "--checkpoint", kept)
-    again = printed("gas", "--resume", kept)
-    assert first["series"] == whole["series"] == again["series"]
-    assert again["law"] == whole["law"]
-
-
 # --- job files ----------------------------------------------------------------------------------------------
 
 JOB = """

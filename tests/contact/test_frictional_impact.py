@@ -79,19 +79,6 @@ def test_table_of_elastic_contacts(rho: float) -> None:
     assert [beta_of(psi, rho) for psi in PSI] == pytest.approx(ELASTIC[rho], abs=5.1e-7)
 
 
-@pytest.mark.parametrize(
-    ("psi", "beta"),
-    [
-        (0.1, -0.47029542140131886),
-        (0.5, 0.19494287315539816),
-        (1.2, 0.42467536017699814),
-        (1.5, 0.3050867563530188),
-    ],
-)
-def test_elastic_contact_to_rounding(psi: float, beta: float) -> None:
-    assert beta_of(psi, 2.8824) == pytest.approx(beta, abs=1e-12)
-
-
 def test_pooltool_agrees() -> None:
     """Its resolver of Stronge's compliant contact (tools/verify_stronge.py), random ψ, ρ, μ, inertia and speeds."""
     sequences = set()
