@@ -2,7 +2,6 @@
 
 import math
 import signal
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,9 +11,9 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from box_engines import REFERENCE, box_of, compiled, grow_packing, logged, reference_law
+from box_engines import REFERENCE, box_of, grow_packing, logged, reference_law
 from box_engines import hard_spheres as engine
-from conftest import slow
+from conftest import output_of, slow
 from hardlimit import _core
 from hardlimit.boxes.contacts import law_arguments
 from slow_hard_spheres import Rule, SlowHardSpheres
@@ -517,7 +516,7 @@ def test_a_box_names_its_walls() -> None:
 @pytest.mark.slow
 def test_cells_of_particles_that_jump_in_a_sheared_box(tmp_path: Path) -> None:
     """The part alone: each particle is in its cell, and the boundary does the work of the crossings."""
-    printed = subprocess.check_output([compiled("cell_assignment", tmp_path)], text=True).split()
+    printed = output_of("boxes/cell_assignment.cpp", tmp_path).split()
     jumps, crossings, wrong = map(int, printed[:3])
     assert jumps > 20_000 and crossings > 3_000 and wrong == 0
     assert all(abs(float(error)) < 1e-12 for error in printed[3:])

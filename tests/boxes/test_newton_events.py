@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import subprocess
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
@@ -17,14 +16,13 @@ import hardlimit as hl
 from box_engines import (
     LAWS,
     REFERENCE,
-    compiled,
     core_engine,
     linear_law,
     mean_free_time,
     reference_law,
     reference_system,
 )
-from conftest import draws, slow
+from conftest import draws, output_of, slow
 from hardlimit import _core
 from hardlimit.boxes.contacts import law_arguments
 from hardlimit.boxes.falling_frame import engine_arguments
@@ -216,16 +214,10 @@ def test_energy_over_many_contacts(phi: float) -> None:
     assert run.energy_error < 1e-10
 
 
-def printed_by(name: str, folder: Path) -> list[str]:
-    """Output of a program compiled from the headers."""
-    program = str(compiled(name, folder))
-    return subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
-
-
 @pytest.mark.slow
 def test_touch_times_of_the_kernels(tmp_path: Path) -> None:
     """Times of the kernels for a radius that is enlarged for a limited time, against distances at many times."""
-    touches, in_space, later, wrong, unlike = printed_by("touch_kernel", tmp_path)
+    touches, in_space, later, wrong, unlike = output_of("boxes/touch_kernel.cpp", tmp_path).split()
     assert int(touches) > 50_000 and int(in_space) > 10_000 and int(later) > 5000
     assert float(wrong) < 1e-13 and int(unlike) == 0
 
@@ -233,7 +225,9 @@ def test_touch_times_of_the_kernels(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_queue_of_contact_ends(tmp_path: Path) -> None:
     """The queue agrees with a sorted set: equal and unequal durations, ties, disturbed contacts."""
-    ended, simultaneous, disturbed, wrong = map(int, printed_by("contact_end_queue", tmp_path))
+    ended, simultaneous, disturbed, wrong = map(
+        int, output_of("boxes/contact_end_queue.cpp", tmp_path).split()
+    )
     assert ended > 100_000 and simultaneous > 10_000 and disturbed > 10_000
     assert wrong == 0
 
@@ -242,7 +236,7 @@ def test_the_queue_of_contact_ends(tmp_path: Path) -> None:
 def test_parts_of_the_engine_alone(tmp_path: Path) -> None:
     """Bodies that fly through the cells of a sheared box follow straight lines, and gain what the boundary works.
     Pairs split bodies into the parts that a slow search finds."""
-    crossings, off, unbalanced, parts, wrong = printed_by("newton_parts", tmp_path)
+    crossings, off, unbalanced, parts, wrong = output_of("boxes/newton_parts.cpp", tmp_path).split()
     assert int(crossings) > 500 and int(parts) > 1000
     assert float(off) < 1e-12 and float(unbalanced) < 1e-12
     assert int(wrong) == 0
@@ -251,7 +245,9 @@ def test_parts_of_the_engine_alone(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_parts_of_a_cluster(tmp_path: Path) -> None:
     """Its equations create neither momentum nor energy; no two components of its state share a place."""
-    momentum, energy, components, misplaced, changed, gap = printed_by("cluster_parts", tmp_path)
+    momentum, energy, components, misplaced, changed, gap = output_of(
+        "boxes/cluster_parts.cpp", tmp_path
+    ).split()
     assert float(momentum) < 1e-13 and float(energy) < 1e-13
     assert int(components) > 5000 and int(misplaced) == 0
     assert int(changed) == 0
@@ -261,7 +257,7 @@ def test_parts_of_a_cluster(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_distance_from_a_triangle(tmp_path: Path) -> None:
     """The distance of a triangle from the origin is that of the nearest of many of its points."""
-    compared, nearer, farther = printed_by("triangle", tmp_path)
+    compared, nearer, farther = output_of("boxes/triangle.cpp", tmp_path).split()
     assert int(compared) == 2000
     assert float(nearer) < 1e-12 and float(farther) < 0.01
 
