@@ -213,7 +213,7 @@ def test_halved_steps_converge_to_the_exact_contact_of_pairs(name: str) -> None:
     assert math.log(coarse / fine, 8.0) > (0.5 if jumps else 1.4)
 
 
-def oblique_pair(law: hl.Law, speed: float, sliding: float) -> hl.ParticleSystem:
+def oblique_pair(speed: float, sliding: float) -> hl.ParticleSystem:
     """Two equal spheres that touch soon, head-on; only their spins make the surfaces slide."""
     x = np.array([[10e-3, 10e-3, 10e-3], [12e-3 + 2e-10, 10e-3, 10e-3]])
     v, spins = [[0.0, 0.0, 0.0], [-speed, 0.0, 0.0]], np.full((2, 3), [0.0, 0.0, 0.5 * sliding / 1e-3])
@@ -241,7 +241,7 @@ def logged_restitution(
     speed, ball = 1e-3, hl.Ball(1e-3, mass=1e-5)
     contact = law.between(ball, ball)
     exact = float(contact.tangential_restitution(math.atan(tangent), speed))
-    system = oblique_pair(law, speed, speed * tangent)
+    system = oblique_pair(speed, speed * tangent)
     run = hl.molecular_dynamics(
         system, law=law, until=3.0 * float(contact.duration(speed)), engine="steps", log=True, **how
     )

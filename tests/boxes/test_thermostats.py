@@ -407,21 +407,6 @@ def test_results_continue_with_new_kicks() -> None:
     np.testing.assert_allclose(again.system.positions, whole.system.positions, atol=1e-9)
 
 
-@pytest.mark.parametrize("ending", ["xyz", "gsd"])
-@pytest.mark.parametrize("thermostat", [KICKS, SPINNING, hl.Andersen(0.03, 300.0, rotational=1.0 / 3.0)])
-def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) -> None:
-    if ending == "gsd":
-        pytest.importorskip("gsd")
-    system = gas(10, thermostat, packing_fraction=0.01)
-    assert hl.ParticleSystem.read(system.write(tmp_path / f"box.{ending}")) == system
-    assert system.replace(thermostat=None).thermostat is None
-    assert system.replace(gravity=1.0).thermostat == thermostat
-    assert "thermostat: got one" in refusal(lambda: system.write(tmp_path / "box.data"))
-    assert refusal(lambda: hl.molecular_dynamics(system, law=LINEAR, until=0.1, engine="lammps")).startswith(
-        "thermostat: "
-    )
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -51,13 +51,6 @@ def given_to_walls(run: Any, name: str) -> dict[str, float]:
     return dict(zip(last.wall.values.tolist(), last.values.tolist(), strict=True))
 
 
-def scale(run: Any) -> float:
-    """The largest energy [J]."""
-    kept = run.series
-    parts = ("kinetic_energy", "dissipated_energy", "wall_work")
-    return max(float(abs(kept[name]).max()) for name in parts)
-
-
 @pytest.mark.parametrize("rule", ["constant", "tc", "law"])
 @draws(40)
 @given(seed=st.integers(0, 2**20))
