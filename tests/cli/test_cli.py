@@ -6,6 +6,7 @@ import os
 import re
 import resource
 import runpy
+import shlex
 import signal
 import socket
 import subprocess
@@ -313,16 +314,7 @@ def test_contact_with_friction_over_the_angle() -> None:
 
 def test_contact_takes_every_argument_of_friction() -> None:
     """As options; those that the law has too begin with tangential."""
-    options = [
-        "--friction",
-        0.3,
-        "--tangential-stiffness",
-        3e6,
-        "--tangential-damping",
-        2.0,
-        "--limit",
-        "spring",
-    ]
+    options = shlex.split("--friction 0.3 --tangential-stiffness 3e6 --tangential-damping 2.0 --limit spring")
     output = printed("contact", *options, "--inertia-factor", 0.5, "--angle", 20)
     friction = hl.Friction(0.3, stiffness=3e6, damping=2.0, limit="spring")
     law = hl.LinearDashpot(stiffness=5e7, restitution=0.7, friction=friction)

@@ -603,18 +603,7 @@ def test_bad_arguments_are_refused_before_the_start_is_made(monkeypatch, bad):
 def test_a_wall_is_shaken(tmp_path: Path) -> None:
     """By options, by a job file, and from a file of particles."""
     options = ["--shake", "0.5mm:50Hz", "--wall", "z-"]
-    numbers = [
-        "--n",
-        30,
-        "--packing-fraction",
-        0.05,
-        "--gravity",
-        9.81,
-        "--rms-speed",
-        0.2,
-        "--until",
-        "10ms",
-    ]
+    numbers = shlex.split("--n 30 --packing-fraction 0.05 --gravity 9.81 --rms-speed 0.2 --until 10ms")
     output = printed("gas", *numbers, *options)
     wall = {"amplitude": 0.5e-3, "frequency": 50.0, "waveform": "sine", "phase": 0.0, "velocity": 0.0}
     assert output["system"]["walls"]["z-"].items() >= {"amplitude": 0.5e-3, "frequency": 50.0}.items()

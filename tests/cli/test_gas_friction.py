@@ -1,6 +1,7 @@
 """Friction and spins on the command line of ``gas`` and ``gas compare``, and in their job files."""
 
 import math
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -46,16 +47,7 @@ def test_rough_grains_have_an_infinite_friction() -> None:
 
 @pytest.mark.parametrize("engine", [[], ["--engine", "steps"]])
 def test_a_law_with_friction(engine: list[str]) -> None:
-    options = [
-        "--friction",
-        0.5,
-        "--stiffness-ratio",
-        "2/7",
-        "--tangential-damping",
-        0.01,
-        "--limit",
-        "spring",
-    ]
+    options = shlex.split("--friction 0.5 --stiffness-ratio 2/7 --tangential-damping 0.01 --limit spring")
     output = printed("gas", *SMALL, *SPRING, *options, *engine)
     expected = law(coefficient=0.5, stiffness_ratio=2 / 7, damping=0.01, limit="spring")
     assert (
@@ -77,14 +69,7 @@ def test_the_table_has_the_temperature_of_rotation() -> None:
     options = [
         *SMALL,
         *SPRING,
-        "--friction",
-        0.5,
-        "--engine",
-        "steps",
-        "--rms-spin",
-        "100",
-        "--inertia-factor",
-        "2/3",
+        *shlex.split("--friction 0.5 --engine steps --rms-spin 100 --inertia-factor 2/3"),
     ]
     text = " ".join(run("gas", *options).stdout.split())
     system = start(rms_spin=100.0, inertia_factor=2 / 3)
@@ -160,16 +145,7 @@ def constant(tmp_path: Path) -> Path:
 
 
 def test_a_job_has_the_keys_of_the_options(job: Path, constant: Path) -> None:
-    options = [
-        "--friction",
-        0.5,
-        "--stiffness-ratio",
-        "2/7",
-        "--rms-spin",
-        "equal",
-        "--inertia-factor",
-        "2/3",
-    ]
+    options = shlex.split("--friction 0.5 --stiffness-ratio 2/7 --rms-spin equal --inertia-factor 2/3")
     for engine in ([], ["--engine", "steps"]):
         assert printed("gas", job, *engine) == printed("gas", *SMALL, *SPRING, *options, *engine)
     options = ["--restitution", 0.8, "--friction", 0.5, "--tangential-restitution", 0.3, "--rms-spin", "100"]
@@ -220,20 +196,7 @@ def test_friction_of_a_rule_beside_the_options_of_a_law(constant: Path) -> None:
 
 
 def compared(*options: object) -> dict:
-    small = [
-        "--n",
-        30,
-        "--packing-fraction",
-        0.2,
-        "--until",
-        "2ms",
-        "--samples",
-        2,
-        "--replicas",
-        2,
-        "--workers",
-        1,
-    ]
+    small = shlex.split("--n 30 --packing-fraction 0.2 --until 2ms --samples 2 --replicas 2 --workers 1")
     return printed("gas", "compare", *small, *options)
 
 
