@@ -255,21 +255,12 @@ def test_a_law_without_a_coefficient_of_friction_is_smooth() -> None:
 )
 def test_walls_that_rub_do_not_fall(options: list) -> None:
     """Runs are computed in a frame that falls along periodic axes. Smooth walls do not notice."""
-    slope = [*SMALL, "--gravity", 3, "--gravity", 0, "--gravity=-9", "--boundary", "periodic", "--boundary", "periodic",
-             "--boundary", "wall"]  # fmt: skip
+    slope = [*SMALL, *shlex.split("--gravity 3 --gravity 0 --gravity=-9")]
+    slope += shlex.split("--boundary periodic --boundary periodic --boundary wall")
     message = refused("gas", *slope, *options)
     assert "--gravity: got a component along the periodic x, must be none with friction at walls" in message
-    run(
-        "gas",
-        *SMALL,
-        "--gravity",
-        3,
-        "--gravity",
-        0,
-        "--gravity",
-        0,
-        *options[: -2 if "lammps" in options else None],
-    )
+    here = options[: -2 if "lammps" in options else None]
+    run("gas", *SMALL, *shlex.split("--gravity 3 --gravity 0 --gravity 0"), *here)
     options[options.index(0.5)] = 0
     if "lammps" not in options:
         run("gas", *slope, *options)
