@@ -417,16 +417,6 @@ def test_packings_that_cannot_be_are_refused() -> None:
         grow_packing(np.full(1, 0.5), [2.0, 2.0, 0.9], [True] * 3, 1)
 
 
-def test_who_overlaps_at_the_start_collides_at_once_or_parts() -> None:
-    """A state with open soft contacts as initial state: overlapping bodies that approach collide at once."""
-    position = [[1.0, 1.0], [1.9, 1.0], [4.0, 4.0], [4.9, 4.0], [8.0, 0.4]]
-    velocity = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [0.0, -1.0]]
-    run = engine(np.array(position), np.array(velocity), box=[10.0, 10.0], periodic=False, restitution=0.5)
-    run.advance(0.1)
-    time, first, second, speed, _ = logged(run)
-    assert list(zip(time, first, second, speed, strict=True)) == [(0.0, 0, 1, 1.0), (0.0, 4, -3, 1.0)]
-
-
 GOOD = {"position": [[1.0, 1.0], [3.0, 1.0]], "velocity": [[1.0, 0.0], [0.0, 0.0]], "box": 5.0}
 
 

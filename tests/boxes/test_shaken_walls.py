@@ -329,18 +329,6 @@ def test_a_box_that_drifts(name: str, d: int, shaken: bool) -> None:
     assert moved.samples["wall_work"][-1] != 0.0
 
 
-@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
-def test_events_and_small_steps_agree(law: str) -> None:
-    """The difference of positions falls as h², over a time before chaos takes over."""
-    system = shaken(1, 12)
-    exact = solved(f"events, {law}", system, 0.012).system.positions
-    error = [
-        float(np.abs(solved(f"steps, {law}", system, 0.012, time_step=h).system.positions - exact).max())
-        for h in (4e-6, 1e-6)
-    ]
-    assert error[1] < 0.15 * error[0] < 1e-6
-
-
 def test_beads_on_a_shaken_floor_condense_or_fluidise() -> None:
     """A column of N = 10 beads at Γ = 5.6: for N(1 − ε) = 0.3 it is fluidised, for 4 it moves as one block (S. Luding,
     H. J. Herrmann and A. Blumen, Phys. Rev. E 50, 3100 (1994)). Qualitative: mean expansion of the column."""

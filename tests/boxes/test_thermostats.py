@@ -234,17 +234,6 @@ def test_a_run_interrupted_at_any_instruction_has_the_same_bits(
     assert went_on > 0.8 * all_of_them.count / every
 
 
-@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
-def test_events_and_small_steps_agree(law: str) -> None:
-    system = gas(30, packing_fraction=0.3)
-    exact = solved(f"events, {law}", system, 0.006).system.positions
-    error = []
-    for h in (2e-6, 5e-7):
-        apart = solved(f"steps, {law}", system, 0.006, time_step=h).system.positions - exact
-        error.append(float(np.abs(apart - system.box * np.round(apart / system.box)).max()))
-    assert error[1] < 0.3 * error[0] < 1e-5
-
-
 @pytest.mark.parametrize(
     "law",
     [
