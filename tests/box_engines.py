@@ -3,14 +3,12 @@
 import json
 import math
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-import conftest
 import hardlimit as hl
 from conftest import DATA
 from hardlimit import _core
@@ -70,11 +68,6 @@ def linear_law(system: hl.ParticleSystem, duration: float, restitution: float) -
     soft = hl.LinearDashpot(stiffness=1.0, restitution=restitution)
     ball = hl.Ball(float(system.radius.mean()), mass=float(system.mass.mean()))
     return soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2)
-
-
-def compiled(name: str, folder: Path) -> Path:
-    """The program made from the headers and tests/boxes/NAME.cpp."""
-    return conftest.compiled(f"boxes/{name}.cpp", folder)
 
 
 #: Each rule of hard spheres and each engine of ours: the function and its arguments.

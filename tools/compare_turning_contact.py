@@ -14,8 +14,9 @@ from pathlib import Path
 
 TESTS = Path(__file__).parents[1] / "tests"
 sys.path[:0] = [str(TESTS), str(TESTS / "boxes")]
-from frictional_motion import TooCostlyError  # noqa: E402
 from test_turning_contact import deviations, drawn  # noqa: E402
+
+from frictional_motion import TooCostlyError  # noqa: E402
 
 
 def main(first: int, number: int) -> None:

@@ -212,14 +212,31 @@ def test_no_path_leaves_its_safety_radius(kind: str, seed: int, law: hl.Law) -> 
         assert engine.largest_safety_use(5) <= 1.0
 
 
-@each_solver
+#: Counts of both kinds of results.
+COUNTS = (
+    "n_pairs",
+    "n_walls",
+    "n_elastic_by_tc",
+    "n_soft",
+    "n_soft_third_body",
+    "n_ended",
+    "largest_compression",
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "rubs"), [*((name, False) for name in SOLVERS), *((name, True) for name in RUBBING)]
+)
 @draws(30, few=3)
 @given(seed=st.integers(0, 2**20), law=st.sampled_from(LAWS), at=st.sampled_from([1, 2, 5]))
 def test_a_resumed_run_has_the_same_bits(
-    tmp_path_factory: pytest.TempPathFactory, name: str, seed: int, law: hl.Law, at: int
+    tmp_path_factory: pytest.TempPathFactory, name: str, rubs: bool, seed: int, law: hl.Law, at: int
 ) -> None:
-    """Samples, log and state of a run that was stopped after a sample, at which particles may be in contact."""
-    system, path = box_of(seed), tmp_path_factory.getbasetemp() / "balances.checkpoint"
+    """Samples, log, counts and state of a run that was stopped after a sample, at which particles may be in contact."""
+    system, path = box_of(seed, rubs), tmp_path_factory.getbasetemp() / "balances.checkpoint"
+    options: dict[str, Any] = {"samples": 6, "log": True} | (RUBBING[name] if rubs else {})
+    if rubs:
+        law = law.replace(friction=hl.Friction(0.5, stiffness_ratio=0.8))
 
     def stop(time: float, _: hl.ParticleSystem) -> dict[str, float]:
         if time >= 0.01 * (at - 0.5) / 6:
@@ -229,11 +246,13 @@ def test_a_resumed_run_has_the_same_bits(
     def go_on(time: float, _: hl.ParticleSystem) -> dict[str, float]:
         return {"time_again": time}
 
-    whole = run_of(name, system, law, 0.01, samples=6, log=True, observe=go_on)
+    whole = run_of(name, system, law, 0.01, observe=go_on, **options)
     if whole.outcome_name != "ok":
         return
     with pytest.raises(KeyboardInterrupt):
-        run_of(name, system, law, 0.01, samples=6, log=True, observe=stop, checkpoint=path)
+        run_of(name, system, law, 0.01, observe=stop, checkpoint=path, **options)
     resumed = hl.resume(path, observe=go_on)
     assert resumed.system == whole.system and same_samples(resumed, whole)
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(resumed.log, whole.log, strict=True))
+    for count in COUNTS:
+        assert getattr(resumed, count, None) == getattr(whole, count, None), count

@@ -31,7 +31,34 @@ def systems(draw):
     lengths = {name: getattr(small, name) * scale for name in ("positions", "velocities", "radius", "box")}
     density = draw(st.sampled_from([2500.0, 1.0 / 3.0]))
     rotation = draw(rotations(small.n, d))
-    return hl.ParticleSystem(**lengths, density=density, boundary=sides, gravity=gravity, **rotation)
+    drive = draw(drives(small.n, sides, lengths["box"][0]))
+    return hl.ParticleSystem(
+        **lengths, density=density, **({"boundary": sides, "gravity": gravity} | rotation | drive)
+    )
+
+
+THERMOSTATS = [
+    hl.RandomKicks(power=1e-3, interval=5e-4, seed=3, kicks=7),
+    hl.RandomKicks(power=1e-3, interval=5e-4, rotational=2e-3, seed=3, kicks=7),
+    hl.Andersen(0.03, 300.0, rotational=1.0 / 3.0, kicks=7),
+]
+
+
+@st.composite
+def drives(draw, n, sides, edge):
+    """Walls that move, images that are displaced and slide, heat, or none of them."""
+    kind = draw(st.sampled_from(["", "walls", "shear", "heat"]))
+    if kind == "walls":
+        wall = hl.MovingWall(
+            1e-6 * edge, 1.0 / 3.0, draw(st.sampled_from(["sine", "parabola"])), 0.7, velocity=-0.1
+        )
+        return {"walls": {f"{'xyz'[axis]}-": wall for axis, side in enumerate(sides) if side == "wall"}}
+    if kind == "shear":
+        gradient = draw(st.integers(1, len(sides) - 1))
+        sheared = ["lees-edwards" if axis == gradient else "periodic" for axis in range(len(sides))]
+        displaced = edge * draw(st.sampled_from([0.0, 1.0 / 3.0]))
+        return {"boundary": sheared, "shear_rate": 1.0 / 3.0, "shear_displacement": displaced, "gravity": 0.0}
+    return {"thermostat": draw(st.sampled_from(THERMOSTATS))} if kind == "heat" and n > 1 else {}
 
 
 @st.composite
@@ -45,14 +72,16 @@ def rotations(draw, n, d):
     return rotation | (spins if draw(st.booleans()) else {})
 
 
-@draws(100, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@draws(200, few=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(systems(), st.sampled_from(SUFFIXES))
 def test_every_bit_comes_back(tmp_path, system, suffix):
     path = tmp_path / f"box{suffix}"
     solid = {2: 0.5, 3: 0.4}[system.dimension]
     other = system.inertia_factor is not None and bool((system.inertia_factor != solid).any())
-    if suffix in (".data", ".lmp") and other:
-        assert "inertia_factor: got " in refusal(lambda: system.write(path))
+    unknown = {"inertia_factor": other, "walls": system.walls, "thermostat": system.thermostat is not None}
+    if suffix in (".data", ".lmp") and any(unknown.values()):
+        parameter, got, _ = refusal(lambda: system.write(path)).partition(": got ")
+        assert got and unknown[parameter]
         return
     assert system.write(path) == path
     assert hl.ParticleSystem.read(path) == system

@@ -197,21 +197,6 @@ def test_both_engines_find_the_same_largest_compression(seed: int, law: hl.Law, 
     assert exact.largest_compression == pytest.approx(near.largest_compression, rel=0.05)
 
 
-def test_a_run_from_a_checkpoint_has_the_same_largest_compression(tmp_path: Any) -> None:
-    gas = hl.ParticleSystem.random(50, 0.3, radius=1e-3, density=2500.0, rms_speed=1.0)
-    law = hl.LinearDashpot(stiffness=3e3, restitution=0.7)
-    for engine in ENGINES:
-        whole = hl.molecular_dynamics(gas, law=law, until=4e-3, engine=engine, samples=4)
-        path = tmp_path / engine
-        hl.molecular_dynamics(gas, law=law, until=2e-3, engine=engine, samples=2, checkpoint=path)
-        assert hl.resume(path, until=4e-3).largest_compression == whole.largest_compression > 0.05
-    for rule in ("law", "soft"):
-        whole_rule = hl.event_driven(gas, law=law, rule=rule, until=4e-3)
-        path = tmp_path / rule
-        hl.event_driven(gas, law=law, rule=rule, until=2e-3, samples=50, checkpoint=path)
-        assert hl.resume(path, until=4e-3).largest_compression == whole_rule.largest_compression > 0.05
-
-
 def test_what_must_be_too_deep_is_refused() -> None:
     law = hl.LinearDashpot(stiffness=5.0, restitution=0.9)
     said = r"^law: got LinearDashpot.*stiffness=5.0.*, must be stiffer: at the mean impact speed .* hold below 0.5$"

@@ -2,7 +2,6 @@
 
 import math
 import signal
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,9 +11,9 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from box_engines import REFERENCE, box_of, compiled, grow_packing, logged, reference_law
+from box_engines import REFERENCE, box_of, grow_packing, logged, reference_law
 from box_engines import hard_spheres as engine
-from conftest import slow
+from conftest import output_of, slow
 from hardlimit import _core
 from hardlimit.boxes.contacts import law_arguments
 from slow_hard_spheres import Rule, SlowHardSpheres
@@ -418,16 +417,6 @@ def test_packings_that_cannot_be_are_refused() -> None:
         grow_packing(np.full(1, 0.5), [2.0, 2.0, 0.9], [True] * 3, 1)
 
 
-def test_who_overlaps_at_the_start_collides_at_once_or_parts() -> None:
-    """A state with open soft contacts as initial state: overlapping bodies that approach collide at once."""
-    position = [[1.0, 1.0], [1.9, 1.0], [4.0, 4.0], [4.9, 4.0], [8.0, 0.4]]
-    velocity = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [0.0, -1.0]]
-    run = engine(np.array(position), np.array(velocity), box=[10.0, 10.0], periodic=False, restitution=0.5)
-    run.advance(0.1)
-    time, first, second, speed, _ = logged(run)
-    assert list(zip(time, first, second, speed, strict=True)) == [(0.0, 0, 1, 1.0), (0.0, 4, -3, 1.0)]
-
-
 GOOD = {"position": [[1.0, 1.0], [3.0, 1.0]], "velocity": [[1.0, 0.0], [0.0, 0.0]], "box": 5.0}
 
 
@@ -514,33 +503,10 @@ def test_a_box_names_its_walls() -> None:
             _core.Box(edges, sides)
 
 
-def test_cooling_follows_haffs_law() -> None:
-    """dT/dt = −(1 − ε²) ν T/3 while the gas is homogeneous: T as a function of the number of collisions."""
-    position, velocity, edge = packed(2000, 0.1)
-    run = engine(position, velocity, box=edge, restitution=0.9, log=False)
-    start = run.observe()["kinetic_energy"]
-    run.advance(math.inf, 20_000)
-    measured = math.log(run.observe()["kinetic_energy"] / start)
-    expected = -(1.0 - 0.9**2) * 20.0 / 3.0  # 20 collisions per particle
-    assert measured == pytest.approx(expected, rel=0.03)
-
-
-def test_pressure_of_elastic_spheres() -> None:
-    """Kolafa, Labík & Malijevský, Phys. Chem. Chem. Phys. 6, 2335 (2004)."""
-    position, velocity, edge = packed(1000, 0.3)
-    run = engine(position, velocity, box=edge, log=False)
-    run.advance(math.inf, 20_000)
-    begin = run.observe()
-    run.advance(math.inf, 200_000)
-    end = run.observe()
-    virial, kinetic = (end[name] - begin[name] for name in ("virial_tensor", "kinetic_integral"))
-    assert 1.0 + virial[:3].sum() / kinetic == pytest.approx(3.9838, rel=0.01)
-
-
 @pytest.mark.slow
 def test_cells_of_particles_that_jump_in_a_sheared_box(tmp_path: Path) -> None:
     """The part alone: each particle is in its cell, and the boundary does the work of the crossings."""
-    printed = subprocess.check_output([compiled("cell_assignment", tmp_path)], text=True).split()
+    printed = output_of("boxes/cell_assignment.cpp", tmp_path).split()
     jumps, crossings, wrong = map(int, printed[:3])
     assert jumps > 20_000 and crossings > 3_000 and wrong == 0
     assert all(abs(float(error)) < 1e-12 for error in printed[3:])

@@ -190,36 +190,6 @@ def test_components_are_in_the_order_of_lammps():
     assert components(3) == ["xx", "yy", "zz", "xy", "xz", "yz"] and components(2) == ["xx", "yy", "xy"]
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_the_trace_of_the_pressure_tensor_is_the_pressure(dimension):
-    """With synthetic records, with and without the exact integral of the thermal energy."""
-    rng, n = np.random.default_rng(dimension), len(components(dimension))
-    run = result_of("hard_spheres", dimension)
-    system, time = run.system, run.samples["time"]
-    virial, kinetic = rng.random((2, len(time), n)).cumsum(axis=1)
-    total = system.dimension * system.mass.sum()
-    records = {
-        "time": time,
-        "virial_tensor": virial,
-        "kinetic_tensor": kinetic,
-        "granular_temperature": kinetic[:, :dimension].sum(axis=1) / total,
-    }
-    for integral in ({}, {"kinetic_integral": rng.random(len(time)).cumsum()}):
-        samples = Samples(system, records | integral)
-        tensor = OBSERVABLES["pressure_tensor"].values(samples)
-        assert tensor.shape == (len(time), n) and np.isnan(tensor[0]).all()
-        pressure = OBSERVABLES["pressure"].values(samples)[1:]
-        assert tensor[1:, :dimension].mean(axis=1) == pytest.approx(pressure, rel=1e-12)
-
-
-def test_a_rate_is_the_growth_of_its_sum():
-    run = result_of("hard_spheres", 3)
-    samples = Samples(run.system, run.samples)
-    lasted = np.diff(run.series.time)
-    assert (samples.rate("n_pairs") * lasted).sum() == pytest.approx(run.n_pairs)
-    assert samples.rate("momentum").shape == (10, 3)
-
-
 RULES = (
     {"restitution": 1.0},
     {"restitution": 0.9},

@@ -1,7 +1,6 @@
 """Tests of virial and pressure tensor of the engines of boxes."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
@@ -187,44 +186,3 @@ def test_the_engines_agree_on_a_stiff_system():
     expected = virial(events)
     for run, error in ((steps, 5e-3), (hard, 3e-2), (soft, 5e-3)):
         assert virial(run) == pytest.approx(expected, abs=error * np.trace(expected) / 3)
-
-
-@pytest.mark.parametrize("engine", [*RULES, "events", "steps"])
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_the_pressure_is_the_mean_of_the_diagonal(engine, dimension):
-    system = hl.ParticleSystem.random(
-        40,
-        0.3,
-        (RADIUS, 1.3 * RADIUS),
-        2500.0,
-        1.0,
-        dimension=dimension,
-        boundary="wall",
-        gravity=3.0,
-        seed=1,
-    )
-    series = run_of(engine, system, LAWS["linear"], 5e-3, samples=5).series
-    trace = series.pressure_tensor.values[1:, :dimension].sum(axis=1)
-    assert trace / dimension == pytest.approx(series.pressure.values[1:], rel=1e-12)
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_a_gas_at_rest_has_equal_pressure_along_all_axes(dimension):
-    system = hl.ParticleSystem.random(400, 0.3, RADIUS, 2500.0, 1.0, dimension=dimension, seed=2)
-    series = hl.event_driven(system, restitution=1.0, until=0.1, samples=40).series
-    pressure = series.pressure_tensor.values[1:]
-    ideal, error = np.zeros(pressure.shape[1]), pressure.std(axis=0, ddof=1) / math.sqrt(len(pressure))
-    ideal[:dimension] = series.pressure.values[1:].mean()
-    assert (abs(pressure.mean(axis=0) - ideal) < 4.0 * error).all()
-    assert (error[:dimension] < 0.02 * ideal[0]).all()
-
-
-def test_a_uniaxial_compression_shows_in_its_component():
-    """Hot along x only: before many collisions the kinetic part, and then the virial, differ between the axes."""
-    system = hl.ParticleSystem.random(400, 0.2, RADIUS, 2500.0, 1.0, seed=5)
-    hot = system.velocities * [2.0, 0.1, 0.1]
-    system = hl.ParticleSystem(system.positions, hot, RADIUS, density=2500.0, box=system.box)
-    xx, yy, zz, *_ = hl.event_driven(system, restitution=1.0, until=2e-4, samples=1).series.pressure_tensor[
-        -1
-    ]
-    assert xx > 2.0 * max(yy, zz)

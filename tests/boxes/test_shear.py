@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from hardlimit.boxes.theory import Gas
 from sheared_boxes import closest, collisions, contact_value, displaced, lun
 
 each_rule = pytest.mark.parametrize("rule", RULES)
-SIZES = [1e-3, (0.3e-3, 1e-3)]
 
 
 def sides(dimension: int, gradient: int = 1) -> tuple[str, ...]:
@@ -407,17 +405,6 @@ def test_stress_of_dilute_inelastic_gas(d: int, restitution: float, tolerance: f
 
 
 # --- the system ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("ending", ["xyz", "gsd", "data"])
-@pytest.mark.parametrize("gradient", [1, 2])
-def test_files_keep_the_shear(ending: str, gradient: int, tmp_path: Path) -> None:
-    if ending == "gsd":
-        pytest.importorskip("gsd")
-    start = gas(30, 3, gradient).replace(velocities=np.zeros((30, 3)))
-    start = hl.event_driven(start, restitution=0.9, until=0.0123).system
-    assert 0.0 < start.shear_displacement < start.box[0]
-    assert hl.ParticleSystem.read(start.write(tmp_path / f"box.{ending}")) == start
 
 
 def test_overlaps_across_the_sheared_side() -> None:

@@ -291,35 +291,6 @@ def test_kicks_beyond_the_side_do_work() -> None:
         assert run.energy_error < 1e-10
 
 
-@pytest.mark.parametrize("gradient", [1, 2])
-def test_steps_have_the_same_bits_with_any_number_of_threads(gradient: int) -> None:
-    system = random_system(6, n=600, phi=0.4, d=3, rate=300.0, gradient=gradient, mixed=True)
-    options: dict[str, Any] = {"engine": "steps", "law": LAWS[0], "samples": 4, "until": 1e-3}
-    single, *several = (hl.molecular_dynamics(system, threads=k, **options) for k in (1, 2, 3))
-    assert single.series.shear_work.values[-1] != 0.0
-    for other in several:
-        assert single.system == other.system and single.series.identical(other.series)
-
-
-@pytest.mark.parametrize("law", LAWS, ids=repr)
-def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> None:
-    """The final state of a run, with contacts in progress, starts another run, whose images are displaced."""
-    system = random_system(8, n=60, phi=0.35, d=3, rate=200.0, mixed=True)
-    options: dict[str, Any] = {"engine": "events", "law": law, "samples": 1}
-    whole = hl.molecular_dynamics(system, until=1e-3, **options)
-    first = hl.molecular_dynamics(system, until=0.6e-3, **options)
-    assert first.series.n_in_contact.values[-1] > 0
-    second = hl.molecular_dynamics(first.system, until=whole.time - first.time, **options)
-    assert second.energy_error < 1e-9
-    away = second.system.positions - whole.system.positions
-    away -= system.box * np.round(away / system.box)
-    inside = (
-        np.abs(whole.system.positions[:, 1] / system.box[1] - 0.5) < 0.49
-    )  # the others may differ by an image
-    assert np.abs(away[inside]).max() < 1e-7 * RADIUS
-    assert np.abs(second.system.velocities - whole.system.velocities)[inside].max() < 1e-6
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("phi", "restitution"), [(0.2, 0.95), (0.3, 0.9)])
 def test_stiff_spheres_have_the_stress_of_kinetic_theory(phi: float, restitution: float) -> None:

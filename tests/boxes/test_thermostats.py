@@ -95,11 +95,6 @@ def test_the_steady_state_of_the_heated_gas(e: float) -> None:
     assert cumulant == pytest.approx(a2, abs=0.006)
 
 
-def test_a_heated_gas_stays_near_its_temperature() -> None:
-    temperature, _, _ = heated(0.8, 300, 100)
-    assert temperature == pytest.approx(1.0, abs=0.08)
-
-
 @pytest.mark.parametrize("name", ["constant", "events, linear"])
 def test_andersen_reaches_its_temperature(name: str) -> None:
     """A mixture: the same energy for small and large particles, 10 % (sampling)."""
@@ -237,28 +232,6 @@ def test_a_run_interrupted_at_any_instruction_has_the_same_bits(
                 np.testing.assert_array_equal(column, other)  # NaN where a contact goes on
             went_on += 1
     assert went_on > 0.8 * all_of_them.count / every
-
-
-@pytest.mark.parametrize("threads", [2, 3])
-def test_steps_have_the_same_bits_with_any_number_of_threads(threads: int) -> None:
-    system = gas(500)
-    single, several = (
-        hl.molecular_dynamics(system, law=LINEAR, until=0.003, engine="steps", threads=k, samples=2)
-        for k in (1, threads)
-    )
-    assert single.system == several.system
-    assert single.series.identical(several.series)
-
-
-@pytest.mark.parametrize("law", ["linear", "viscoelastic"])
-def test_events_and_small_steps_agree(law: str) -> None:
-    system = gas(30, packing_fraction=0.3)
-    exact = solved(f"events, {law}", system, 0.006).system.positions
-    error = []
-    for h in (2e-6, 5e-7):
-        apart = solved(f"steps, {law}", system, 0.006, time_step=h).system.positions - exact
-        error.append(float(np.abs(apart - system.box * np.round(apart / system.box)).max()))
-    assert error[1] < 0.3 * error[0] < 1e-5
 
 
 @pytest.mark.parametrize(
@@ -421,21 +394,6 @@ def test_results_continue_with_new_kicks() -> None:
     whole = hl.event_driven(system, restitution=0.9, until=0.01)
     assert again.system.thermostat == whole.system.thermostat
     np.testing.assert_allclose(again.system.positions, whole.system.positions, atol=1e-9)
-
-
-@pytest.mark.parametrize("ending", ["xyz", "gsd"])
-@pytest.mark.parametrize("thermostat", [KICKS, SPINNING, hl.Andersen(0.03, 300.0, rotational=1.0 / 3.0)])
-def test_files_hold_thermostats(ending: str, thermostat: Any, tmp_path: Path) -> None:
-    if ending == "gsd":
-        pytest.importorskip("gsd")
-    system = gas(10, thermostat, packing_fraction=0.01)
-    assert hl.ParticleSystem.read(system.write(tmp_path / f"box.{ending}")) == system
-    assert system.replace(thermostat=None).thermostat is None
-    assert system.replace(gravity=1.0).thermostat == thermostat
-    assert "thermostat: got one" in refusal(lambda: system.write(tmp_path / "box.data"))
-    assert refusal(lambda: hl.molecular_dynamics(system, law=LINEAR, until=0.1, engine="lammps")).startswith(
-        "thermostat: "
-    )
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ import subprocess
 
 import pytest
 
-from box_engines import compiled
+from conftest import compiled
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
-    return compiled("thread_team", tmp_path_factory.mktemp("thread_team"))
+    return compiled("boxes/thread_team.cpp", tmp_path_factory.mktemp("thread_team"))
 
 
 @pytest.mark.slow

@@ -51,13 +51,6 @@ def given_to_walls(run: Any, name: str) -> dict[str, float]:
     return dict(zip(last.wall.values.tolist(), last.values.tolist(), strict=True))
 
 
-def scale(run: Any) -> float:
-    """The largest energy [J]."""
-    kept = run.series
-    parts = ("kinetic_energy", "dissipated_energy", "wall_work")
-    return max(float(abs(kept[name]).max()) for name in parts)
-
-
 @pytest.mark.parametrize("rule", ["constant", "tc", "law"])
 @draws(40)
 @given(seed=st.integers(0, 2**20))
@@ -132,14 +125,6 @@ def test_sums_of_walls_in_clusters_agree_between_the_engines(law: str) -> None:
         left, other = (run.series[name].sel(wall="y-").values for run in runs)
         assert abs(left).max() > 0.0
         np.testing.assert_allclose(left, other, atol=1e-3 * abs(left).max())
-
-
-@pytest.mark.slow
-def test_several_threads_keep_the_sums_of_walls() -> None:
-    system = box_of(5, n=600)
-    runs = [solved("steps, linear", system, 0.01, threads=k) for k in (1, 2)]
-    np.testing.assert_array_equal(*(run.series.wall_impulse for run in runs))
-    np.testing.assert_array_equal(*(run.series.wall_energy for run in runs))
 
 
 @pytest.mark.slow

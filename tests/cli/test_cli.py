@@ -6,6 +6,7 @@ import os
 import re
 import resource
 import runpy
+import shlex
 import signal
 import socket
 import subprocess
@@ -313,16 +314,7 @@ def test_contact_with_friction_over_the_angle() -> None:
 
 def test_contact_takes_every_argument_of_friction() -> None:
     """As options; those that the law has too begin with tangential."""
-    options = [
-        "--friction",
-        0.3,
-        "--tangential-stiffness",
-        3e6,
-        "--tangential-damping",
-        2.0,
-        "--limit",
-        "spring",
-    ]
+    options = shlex.split("--friction 0.3 --tangential-stiffness 3e6 --tangential-damping 2.0 --limit spring")
     output = printed("contact", *options, "--inertia-factor", 0.5, "--angle", 20)
     friction = hl.Friction(0.3, stiffness=3e6, damping=2.0, limit="spring")
     law = hl.LinearDashpot(stiffness=5e7, restitution=0.7, friction=friction)
@@ -432,16 +424,8 @@ def test_sweep_job_file(tmp_path: Path) -> None:
 
 def test_sweep_takes_a_tolerance(tmp_path: Path) -> None:
     options = [*HERTZ, "--dissipative-time", "1e-6:1e-4:5:log", "--gap", "1e-5,1e-4"]
-    printed(
-        "sweep",
-        *options,
-        "--out",
-        tmp_path / "map.nc",
-        "--tolerance",
-        "1e-7",
-        "--difference",
-        tmp_path / "difference.png",
-    )
+    files_of = ["--out", tmp_path / "map.nc", "--difference", tmp_path / "difference.png"]
+    printed("sweep", *options, "--tolerance", "1e-7", *files_of)
     assert coloured(tmp_path / "difference.png") > 0.1
     assert xr.open_dataset(tmp_path / "map.nc").attrs["tolerance"] == 1e-7
 
@@ -501,7 +485,6 @@ def test_explore_serves(options: tuple[str, ...], page: str) -> None:
         (["drop", "--gap", "1e9999 mm"], "gap: got '1e9999 mm', must be finite"),
         (["drop", "--stiffness", "5 MPa"], "stiffness: got '5 MPa', must be a number [N/m] or a stiffness"),
         (["drop", "--radius", "1e200"], "radius"),
-        (["drop", "--radius", "1cm", "--height", "1m", "--radius-2", "1cm"], "got both"),
         (["drop", "--plot", "a" * 400], "--plot: got 'aaaa"),
         (["sweep", *MAP, "--out", "a" * 400 + ".zarr"], "must be the name of a file: File name too long"),
         (["drop", "--plot", "a\0b"], "must be a path without control characters"),
@@ -520,19 +503,14 @@ def test_explore_serves(options: tuple[str, ...], page: str) -> None:
         (["drop", "--law", "linear", "--poisson-ratio", 0.3], "--poisson-ratio: unknown"),
         (["drop", "--height", 0.05], "height: got 0.05, must be >= 0.1"),
         (["drop", "--height", 0.1], "height: got 0.1, must be > 0.1 unless velocities are given"),
-        (["drop", "--radius", 0.1, "--radius-1", 0.1], "got both"),
         (["drop", "--radius", 0.1, "--gap", "1mm"], "gap: got 0.001, must be left out for a column of one"),
         (["drop", "--radius-1", 0.1, "--radius-ratio", 3], "--radius-ratio | --radius-1: got both"),
-        (["drop", "--density", 1, "--mass", 1], "--density | --mass: got both"),
         (["drop", "--gap", 0.1, "--gap", 0.1], "gap: got 2 values, must be 1"),
         (
             ["drop", "--plot", "no folder/a.png"],
             "--plot: got 'no folder/a.png', must be in an existing folder",
         ),
-        (["drop", "--plot", "picture.xyz"], "must end in .avif, "),
-        (["drop", "--animate", "film.avi"], "must end in .mp4 or .gif"),
         (["drop", "--save", "no folder/a.nc"], "--save: got"),
-        (["drop", "nowhere.toml"], "nowhere.toml: no such file"),
         (["drop", "--colour", "red"], "--colour"),
         (["contact", "--other-mass", 0], "--other-mass: got 0, must be > 0 and finite"),
         (["contact", "--speed", 0], "speed: got 0, must be > 0 and finite"),
@@ -551,7 +529,6 @@ def test_explore_serves(options: tuple[str, ...], page: str) -> None:
         (["sweep", *MAP, "--engine", "steam"], "engine: got 'steam'"),
         (["sweep", *MAP, "--threads", 0], "threads: got 0"),
         (["sweep", *MAP, "--tolerance", 1e-9], "tolerance: got 1e-09, must not be given"),
-        (["sweep", *MAP, "--out", "map.csv"], "--out: got 'map.csv', must end in .nc or .zarr"),
         (["sweep", *MAP, "--resume"], "--resume: must be given with --out"),
         (["sweep", *MAP, "--height", "0.5,0.6", "--plot", "a.png"], "must be one or two"),
         (

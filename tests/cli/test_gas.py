@@ -545,29 +545,18 @@ def test_a_run_ended_by_a_signal_at_any_moment_goes_on(
 
 BAD = {
     "fraction": (["--packing-fraction", 0.7], "--packing-fraction: got 0.7, must be in (0, 0.62]"),
-    "number": (["--n", 0], "n: got 0, must be a whole number"),
     "too many": (["--n", 2**31 - 1], "n: got 2147483647, must fit into the free memory: needs 644 GB"),
     "few": (["--n", 3], "--n | --packing-fraction: got 3 particles, must be more"),
-    "side": (["--boundary", "open"], "boundary: got 'open', must be one of periodic, wall"),
-    "sides": (["--boundary", "wall", "--boundary", "wall"], "boundary: got 2 words, must be 1, or 3"),
-    "rule": (["--rule", "soft"], "rule: got 'soft', must be one of constant, tc with restitution"),
-    "restitution": (["--restitution", 2], "restitution: got 2, must be in [0, 1]"),
     "law": (["--law", "linear"], "stiffness: missing, must be > 0"),
     "unit": (["--until", "10mm"], "until: got '10mm', must be a number [s]"),
-    "end": (["--until", "-1"], "until: got -1, must be >= 0"),
-    "film": (["--animate", "film.avi"], "--animate: got 'film.avi', must end in .mp4 or .gif"),
     "frames": (["--max-collisions", 5, "--out", "run.xyz"], "--out: requires --until"),
     "frames of a film": (["--max-collisions", 5, "--animate", "a.gif"], "--animate: requires --until"),
     "trajectory": (["--out", "run.data"], "--out: got 'run.data', must end in .xyz, .extxyz or .gsd"),
-    "trajectory of another kind": (["--out", "run.pdb"], "--out: got 'run.pdb', must end in .xyz"),
     "save": (["--save", "run.zarr"], "--save: got 'run.zarr', must end in .nc"),
     "folder": (["--plot", "no/a.png"], "--plot: got 'no/a.png', must be in an existing folder"),
     "checkpoint": (["--checkpoint", "no/a"], "checkpoint: got 'no/a', must be a file in a folder"),
     "checkpoint without a file": (["--checkpoint-every", 5], "-every: must be left out without --checkpoint"),
-    "resume": (["--resume", "none"], "none: no such file"),
     "file": (["box.pdb"], "FILE: got 'box.pdb', must end in .toml, .xyz"),
-    "no file": (["none.xyz"], "none.xyz: no such file"),
-    "no job": (["none.toml"], "none.toml: no such file"),
 }  # fmt: skip
 
 
@@ -604,18 +593,7 @@ def test_bad_arguments_are_refused_before_the_start_is_made(monkeypatch, bad):
 def test_a_wall_is_shaken(tmp_path: Path) -> None:
     """By options, by a job file, and from a file of particles."""
     options = ["--shake", "0.5mm:50Hz", "--wall", "z-"]
-    numbers = [
-        "--n",
-        30,
-        "--packing-fraction",
-        0.05,
-        "--gravity",
-        9.81,
-        "--rms-speed",
-        0.2,
-        "--until",
-        "10ms",
-    ]
+    numbers = shlex.split("--n 30 --packing-fraction 0.05 --gravity 9.81 --rms-speed 0.2 --until 10ms")
     output = printed("gas", *numbers, *options)
     wall = {"amplitude": 0.5e-3, "frequency": 50.0, "waveform": "sine", "phase": 0.0, "velocity": 0.0}
     assert output["system"]["walls"]["z-"].items() >= {"amplitude": 0.5e-3, "frequency": 50.0}.items()

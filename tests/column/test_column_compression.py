@@ -1,6 +1,7 @@
 """Largest compressions of columns, and runs that end at a compression beyond the range of the law."""
 
 import math
+import shlex
 import warnings
 
 import numpy as np
@@ -333,19 +334,7 @@ def test_the_command_in_json() -> None:
 
 
 def test_one_contact_on_the_command_line() -> None:
-    command = [
-        "contact",
-        "--radius",
-        "1cm",
-        "--mass",
-        "10g",
-        "--stiffness",
-        1e4,
-        "--speed",
-        1,
-        "--restitution",
-        1,
-    ]
+    command = shlex.split("contact --radius 1cm --mass 10g --stiffness 1e4 --speed 1 --restitution 1")
     assert printed(*command)["largest_compression"] == pytest.approx([math.sqrt(0.01 / 1e4) / 0.01], rel=1e-9)
     two = [*command, "--other-radius", "5mm", "--other-mass", "10g"]
     assert printed(*two)["largest_compression"] == pytest.approx([math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9)

@@ -78,14 +78,6 @@ def test_equation_5_and_6():
     assert highest == pytest.approx(9.0 * column.initial_positions[1] - 8.0 * 0.21, rel=1e-10)
 
 
-def test_lower_ball_stops_at_a_third():
-    column = two_balls(1.0 / 3.0, 1.0, 0.0)
-    result = hl.independent(column)
-    velocity = result.trajectory([result.t_end]).velocity.values[0]
-    assert abs(velocity[0]) < 1e-14 * column.impact_speed
-    assert velocity[1] == pytest.approx(2.0 * column.impact_speed, rel=1e-14)
-
-
 def column_in_line(masses, law, gap=1e-9) -> hl.Column:
     """A column that falls at unit speed, with the lowest ball at the floor and almost closed gaps."""
     balls = [hl.Ball(0.01, mass=m) for m in masses]
@@ -165,15 +157,6 @@ def test_no_contact():
     result = hl.independent(two_balls(0.1, 0.05, gap=1.0))
     assert result.outcome_code == hl.OUTCOMES.index("no_contact")
     assert result.n_contacts == 0 and math.isnan(result.relative_velocity)
-
-
-def test_floor_is_met_again_after_each_bounce():
-    """Bounces of the lower ball alone: 2 ε^k V/g apart."""
-    column = two_balls(0.1, 0.5, gap=3.0)
-    result = hl.independent(column, until=0.5)
-    begins = result.contacts.begin.values[result.contacts.pair.values == 0]
-    flights = [2.0 * 0.5**k * column.impact_speed / G for k in (1, 2, 3)]
-    assert np.diff(begins)[:2] == pytest.approx(flights[:2], rel=1e-12)
 
 
 @pytest.mark.parametrize("model", [hl.independent, hl.newton, hl.adiabatic])

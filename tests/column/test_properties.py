@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -196,15 +196,3 @@ def test_separation_velocity_within_what_the_energy_allows(column):
     energy = 0.5 * (m1 + m2) * column.impact_speed**2 + m2 * column.gravity * column.gaps[0]
     effective = m1 * m2 / (m1 + m2)
     assert 0.0 <= result.separation_velocity <= 1.001 * math.sqrt(2.0 * energy / effective)
-
-
-@pytest.mark.slow
-@settings(max_examples=400)
-@given(columns())
-def test_never_attractive_and_energy_balance_at_length(column):
-    until = until_of(column)
-    result = hl.newton(column, until=until, method="general")
-    t = result.trajectory(dense_times(result, until))
-    assert (t.force.values >= 0.0).all()
-    assert result.energy_error < 1e-10
-    assert np.isfinite(t.velocity.values).all()

@@ -550,27 +550,6 @@ def highest(result, begin, end, ball):
     return float(result.trajectory(np.linspace(begin, end, 20001)).position.values[:, ball].max())
 
 
-@pytest.mark.parametrize("solve", [hl.newton, hl.independent])
-def test_rebound_of_the_textbook(solve):
-    """A light elastic ball on a heavy one: nine times the height; under Newton in the limit of stiff contacts."""
-    law = hl.LinearDashpot(stiffness=1e13, restitution=1.0)
-    balls = [hl.Ball(0.1, mass=1.0), hl.Ball(0.01, mass=1e-9)]
-    column = hl.Column(balls, 1e-3, 0.6, law)
-    r1, r2, z2 = 0.1, 0.01, float(column.initial_positions[1])
-    rebounds = solve(column).rebound_heights
-    assert rebounds[1] == pytest.approx(9.0 * z2 - 8.0 * (2.0 * r1 + r2), rel=5e-3)
-    assert rebounds[0] == pytest.approx(0.6, rel=1e-3)
-
-
-@pytest.mark.parametrize("kind", ["exact", "general", "adiabatic", "independent"])
-def test_rebound_of_two_balls_that_part(kind):
-    """The rebound height is the top of the free flight after the sequence."""
-    result = RESULTS[kind]
-    z = result.trajectory([result.t_end + 2e-3])
-    z, v = z.position.values[0], z.velocity.values[0]
-    assert v.min() > 0.0 and result.rebound_heights == pytest.approx(z + v**2 / (2.0 * 9.81), rel=1e-9)
-
-
 @draws(25)
 @given(columns(law=laws(st.floats(0.3, 1.0)), least=1, most=4))
 def test_rebound_until_is_the_greatest_height(column):

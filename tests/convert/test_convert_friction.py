@@ -5,6 +5,7 @@ import dataclasses
 import json
 import math
 import re
+import shlex
 
 import numpy as np
 import pytest
@@ -296,16 +297,7 @@ def run(*arguments):
     return CliRunner().invoke(main, ["convert", "--radius", "0.5mm", "--density", "2500", *arguments])
 
 
-ASKED = (
-    "--restitution",
-    "0.7",
-    "--stiffness",
-    "1e5",
-    "--friction",
-    "0.5",
-    "--tangential-restitution",
-    "0.33",
-)
+ASKED = shlex.split("--restitution 0.7 --stiffness 1e5 --friction 0.5 --tangential-restitution 0.33")
 
 
 def test_the_command_line_says_what_the_function_says():

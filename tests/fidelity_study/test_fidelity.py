@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -621,35 +622,9 @@ def test_a_process_that_ends_leaves_its_replicas_and_no_workers(tmp_path: Path, 
 def test_the_end_of_a_job_leaves_replicas_and_no_workers(tmp_path: Path) -> None:
     """A scheduler sends SIGTERM to all processes: the workers leave it to their parent, which prints one line."""
     store = tmp_path / "replicas"
-    options = [
-        "--n",
-        "60",
-        "--packing-fraction",
-        "0.2",
-        "--until",
-        "20ms",
-        "--samples",
-        "10",
-        "--replicas",
-        "12",
-    ]
-    process = subprocess.Popen(
-        [
-            sys.executable,
-            "-m",
-            "hardlimit",
-            "gas",
-            "compare",
-            *options,
-            "--workers",
-            "2",
-            "--store",
-            str(store),
-        ],
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
+    options = shlex.split("--n 60 --packing-fraction 0.2 --until 20ms --samples 10 --replicas 12 --workers 2")
+    command = [sys.executable, "-m", "hardlimit", "gas", "compare", *options, "--store", str(store)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
     wait_until(lambda: (store.exists() and Store(store, {}).replicas) or process.poll() is not None)
     os.killpg(process.pid, signal.SIGTERM)
     complaint = process.communicate()[1].strip()

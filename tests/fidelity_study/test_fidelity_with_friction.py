@@ -97,14 +97,19 @@ def test_a_saved_comparison_keeps_spins(tmp_path: Path) -> None:
     assert loaded.dataset.equals(comparison.dataset)
 
 
+def rough(start: hl.ParticleSystem, rate: float) -> hl.LinearDashpot:
+    """The law of contacts that last a tenth of the mean time between collisions."""
+    law = hl.LinearDashpot(stiffness=1.0, restitution=0.9, friction=hl.Friction(1.0))
+    ball = hl.Ball(1e-3, mass=float(start.mass[0]))
+    return law.replace(stiffness=float(law.between(ball, ball).duration(1.0) * rate / 0.1) ** 2)
+
+
 def heated(spins: float | None, until: float, samples: int, replicas: int) -> hl.Fidelity:
     """200 rough grains near their steady temperature, in mean times between collisions."""
     start = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, seed=1, rms_spin="equal")
     gas, t = theory.gas(start), start.granular_temperature
     rate = float(gas.collision_rate(t))
-    law = hl.LinearDashpot(stiffness=1.0, restitution=0.9, friction=hl.Friction(1.0))
-    ball = hl.Ball(1e-3, mass=float(start.mass[0]))
-    law = law.replace(stiffness=float(law.between(ball, ball).duration(1.0) * rate / 0.1) ** 2)
+    law = rough(start, rate)
     rotating = gas.rotating(law=law)
     lost = -rotating.mean_collision(rotating.heated_temperature_ratio()).energy_change
     power = 0.5 * rate * float(start.mass.sum()) * t * lost
@@ -137,21 +142,11 @@ def test_the_temperature_of_a_heated_gas_with_friction_is_predicted() -> None:
 @pytest.mark.filterwarnings("ignore::hardlimit.CompressionWarning")
 def test_the_temperature_of_a_sheared_gas_with_friction_is_predicted() -> None:
     """A rough gas (μ = 1, ε = 0.9) is too hot: predicted 8.6 ± 1.2 %, measured 9.3 ± 2.6 %; a smooth one: 0.4 %."""
-    start = hl.ParticleSystem.random(
-        200,
-        0.2,
-        1e-3,
-        2500.0,
-        1.0,
-        seed=1,
-        rms_spin="equal",
-        boundary=["periodic", "lees-edwards", "periodic"],
-    )
+    sides = ["periodic", "lees-edwards", "periodic"]
+    start = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, seed=1, rms_spin="equal", boundary=sides)
     gas = theory.gas(start.replace(boundary="periodic"))
     rate = float(gas.collision_rate(start.granular_temperature))
-    law = hl.LinearDashpot(stiffness=1.0, restitution=0.9, friction=hl.Friction(1.0))
-    ball = hl.Ball(1e-3, mass=float(start.mass[0]))
-    law = law.replace(stiffness=float(law.between(ball, ball).duration(1.0) * rate / 0.1) ** 2)
+    law = rough(start, rate)
     shear = math.sqrt(start.granular_temperature / gas.rotating(law=law).sheared_temperature(1.0))
     comparison = hl.fidelity(
         start.replace(shear_rate=shear), law=law, until=400.0 / rate, models=("newton", "law", "constant"),

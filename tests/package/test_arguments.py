@@ -103,7 +103,6 @@ class Argument:
 
 
 COLUMN = hl.Column.paper()
-CRADLE = hl.Column.cradle([BALL, BALL], [1.0, 0.0], LAW)
 RESULT = hl.newton(COLUMN)
 CONTACT = LAW.between(BALL)
 PHYSICS = {"restitution": 0.5, "stiffness": 1e6, "effective_mass": 0.1}

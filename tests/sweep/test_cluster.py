@@ -270,42 +270,26 @@ def test_a_worker_of_another_version_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_a_worker_is_killed(processes: Processes, tmp_path: Path, here: Path) -> None:
-    """During a sweep, with finished, running and waiting chunks: none is lost or repeated."""
+def test_workers_come_and_go(processes: Processes, tmp_path: Path, here: Path) -> None:
+    """Each worker is killed in turn, the last one before the next starts, with finished, running and waiting chunks:
+    none is lost or repeated."""
     workers = two_workers(processes)
     told: list[int] = []
-
-    def kill_one(done: int, total: int) -> None:
-        told.append(done)
-        if done > total / 4 and workers[0].poll() is None:
-            workers[0].send_signal(signal.SIGKILL)
-            workers[0].wait()
-
-    hl.sweep(
-        SOFT, store=tmp_path / "there", engine="dask", scheduler=processes.address, progress=kill_one, **SLOW
-    )
-    assert workers[0].returncode == -signal.SIGKILL and workers[1].poll() is None
-    assert told == list(range(0, 4_001, 200))
-    assert files(tmp_path / "there") == files(here)
-
-
-@pytest.mark.slow
-def test_workers_come_and_go(processes: Processes, tmp_path: Path, here: Path) -> None:
-    """Each worker is killed in turn, the last one before the next starts."""
-    workers = two_workers(processes)
     killed = 0
 
     def replace_one(done: int, total: int) -> None:
         nonlocal killed
+        told.append(done)
         if done > (killed + 1) * total / 4:
-            workers[killed].kill()
+            workers[killed].send_signal(signal.SIGKILL)
             workers[killed].wait()
             workers.append(processes.start_worker())
             killed += 1
 
     there = tmp_path / "there"
     hl.sweep(SOFT, store=there, engine="dask", scheduler=processes.address, progress=replace_one, **SLOW)
-    assert killed == 3
+    assert killed == 3 and all(worker.returncode == -signal.SIGKILL for worker in workers[:3])
+    assert told == list(range(0, 4_001, 200))
     assert files(there) == files(here)
 
 

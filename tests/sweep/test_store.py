@@ -252,56 +252,6 @@ def slow_sweep(path: Path, chunk: int, points: int) -> subprocess.Popen:
     )
 
 
-KILLED_AGAIN_AND_AGAIN = """
-    import os, signal, sys
-    from pathlib import Path
-    import numpy as np
-    import hardlimit as hl, zarr, xarray
-    from hardlimit.sweep import chunks
-    sys.path[:0] = {tests!r}
-    from test_store import files
-
-    chunks.POINTS_INTEGRATED = 100
-    folder, points = Path({folder!r}), 4000
-    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=0.006))
-
-    def run(name, most=None):
-        ours, its = os.pipe()
-        child = os.fork()
-        if child == 0:
-            hl.sweep(soft, store=folder / name, gap=np.geomspace(1e-6, 1e-2, points),
-                     progress=lambda done, _: os.write(its, b"%d\\n" % done))
-            os._exit(0)
-        os.close(its)
-        last = ""
-        with open(ours) as told:
-            for _, last in zip(range(most or points), told):
-                pass
-            if most:
-                os.kill(child, signal.SIGKILL)
-            assert os.waitpid(child, 0)[1] in (0, signal.SIGKILL if most else 0)
-        return int(last or 0)
-
-    hl.sweep(soft, gap=[1e-4])  # what xarray loads at first use, each child would load again
-    run("whole")
-    kills = 0
-    while run("map", 1 + kills % 5) != points:
-        kills += 1
-    run("map")
-    assert files(folder / "map") == files(folder / "whole")
-    print(kills)
-"""
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.slow
-def test_killed_again_and_again_it_ends_with_the_same_bytes(tmp_path: Path) -> None:
-    script = KILLED_AGAIN_AND_AGAIN.format(tests=TESTS, folder=str(tmp_path))
-    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert int(done.stdout) > 5
-
-
 def under_way(run: subprocess.Popen) -> int:
     """Wait until the process reports finished points; returns their number."""
     for line in run.stdout:

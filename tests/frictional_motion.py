@@ -326,11 +326,12 @@ def event_functions(motion: Motion, duration: float) -> tuple[list[str], list[An
         at = motion.pieces(y)
         if at["rate"] >= 0.0:
             return 1.0
-        return (
-            at["depth"] - LAST * duration
-            if c == 0.0
-            else k * max(at["depth"], 0.0) ** (p - q) + c * at["rate"]
-        )
+        last = at["depth"] - LAST * duration
+        if c == 0.0:
+            return last
+        if p == q:  # the force may last until the bodies part
+            return min(last, k + c * at["rate"])
+        return k * max(at["depth"], 0.0) ** (p - q) + c * at["rate"]
 
     def turn(_: float, y: Vector) -> float:
         return motion.pieces(y)["rate"]
