@@ -12,7 +12,7 @@ import numpy as np
 from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
-from ..support.formatting import digits, length, listed
+from ..support.formatting import digits, length, listed, quantity
 from . import dumps, flows, mixture
 from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
 from .contacts import Body, Case
@@ -25,6 +25,8 @@ from .supplied import SCALES
 BEDS: Final = {3: (0.5, 0.75), 2: (0.7, 0.92)}
 
 BY_SCRIPT: Final = "as the script says"
+#: Pressure before over that now from which grains count as unloaded.
+UNLOADED: Final = 1.2
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -72,6 +74,7 @@ class Around(NamedTuple):
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
     piston: bool = False  #: whether a wall moved along gravity in this run or one before
+    before: float = 0.0  #: largest pressure that this run or one before prescribes
     elastic: bool = False  #: whether nothing dissipates, so that no grain comes to rest
     fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
@@ -143,7 +146,7 @@ def load_of(
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
-    load = replace(load, uniaxial=stage.uniaxial and load.origin == BY_SCRIPT)
+    load = replace(load, uniaxial=stage.uniaxial and load.origin.startswith(BY_SCRIPT))
     by_script = stage.pressed or stage.pressure is not None or around.barostat
     settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
     known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks
@@ -178,7 +181,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.pressure is not None:
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
-        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": BY_SCRIPT}
+        return {} if stage.pressure is None else _prescribed(stage, stage.pressure, around)
     if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope
@@ -216,6 +219,18 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         origin = f"{around.length(height)} {contents.height_from}, at φ = {digits(phi, 2)}{twice}"
     pressure = weight(height, phi * density, gravity)
     return {"pressure": pressure, "origin": origin, "weight": True, "bound": bound}
+
+
+def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]:
+    """The pressure of the script. Grains that a piston relieves keep a part of what pressed them across it before."""
+    known = {"pressure": pressure, "origin": BY_SCRIPT}
+    if not stage.uniaxial or around.before < UNLOADED * pressure:
+        return known
+    mass, length, time = SCALES[around.units]
+    before = around.before * mass / (length * time**2)
+    shown = digits(before, 3) if around.units == "lj" else quantity(before, "Pa", 3)
+    origin = f"{BY_SCRIPT}, though they may hold a part of the {shown} before"
+    return known | {"origin": origin, "unloaded": True}
 
 
 def _less_than_a_layer(contents: Contents, dimension: int) -> bool:
