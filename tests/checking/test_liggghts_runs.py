@@ -94,6 +94,17 @@ def test_spheres_of_two_sizes_have_no_number():
     assert contents.count is None and contents.filled == pytest.approx(0.1 * 0.1 * 0.1 * 0.2)
 
 
+@pytest.mark.parametrize(
+    "count,words", [(10, "grains, too few to cover the floor, come to rest"), (9000, "grains rest on")]
+)
+def test_few_grains_on_a_wide_floor_do_not_rest_on_each_other(count, words):
+    """LIGGGHTS: ten of them lie apart."""
+    much = f"particles_in_region {count}"
+    grains = SPHERE + DISTRIBUTION + INSERT.format(name="ins", velocity=-3, much=much)
+    script = head().replace("boundary f f f", "boundary p p f") + GRAVITY + grains + FLOOR + MOVE + "run 9\n"
+    assert hl.check(script).sentence.startswith(f"No: {words}")
+
+
 # --- two grains, and speeds -------------------------------------------------------------------------------------
 
 UNEQUAL = """create_atoms 1 single 0 0 0.0101 units box

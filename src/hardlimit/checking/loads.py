@@ -191,7 +191,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
     density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
-    if options.height is None and _less_than_a_layer(contents, around.dimension):
+    if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
             return {}
         pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
@@ -233,7 +233,7 @@ def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]
     return known | {"origin": origin, "unloaded": True}
 
 
-def _less_than_a_layer(contents: Contents, dimension: int) -> bool:
+def less_than_a_layer(contents: Contents, dimension: int) -> bool:
     """Whether grains are too few to cover the floor."""
     if not (contents.count and contents.filled and contents.floor):
         return False
