@@ -170,6 +170,20 @@ def test_a_velocity_along_a_wall_is_no_impact(velocity, speed):
     assert speed_of(cylinder) == pytest.approx([across] if across else [])
 
 
+def test_grains_from_an_unknown_place_fall_through_the_box_at_most():
+    """Not at the speed of their insertion: LIGGGHTS shows 1.8 m/s and more below a face that releases them at 1 m/s."""
+    stream = (
+        "fix face all mesh/surface file face.stl type 1\nfix ins all insert/stream seed 32452843 distributiontemplate d"
+        " nparticles 900 particlerate 100 vel constant 0 0 -1 insertion_face face extrude_length 0.01\n"
+    )
+    script = (
+        head() + GRAVITY + SPHERE + DISTRIBUTION + stream + MESH.format(words="") + BELT + MOVE + "run 9\n"
+    )
+    assert speed_of(script) == pytest.approx([(1.0 + 2.0 * 9.81 * 0.2) ** 0.5])
+    assert "at most: through the whole of it" in hl.check(script).inferred[0].source
+    assert speed_of(script.replace("gravity 9.81", "gravity 0")) == []
+
+
 # --- bounds -----------------------------------------------------------------------------------------------------
 
 

@@ -529,7 +529,8 @@ def falls(state: State, stage: Stage) -> Iterator[Speed]:
     for insertion in state.filling.insertions:
         limits = census.extents(insertion.region, state.filling.ends) if insertion.region else None
         top = max((sign * end for end in limits[axis]), default=None) if limits else None
-        if insertion.region == ():
+        unknown = insertion.region is None and any(contact.wall is not None for contact in stage.contacts)
+        if insertion.region == () or unknown:
             top = max(ends, default=None)
         below = [] if top is None else [wall for wall in walls if wall < top]
         floor = max(below, default=min(ends, default=None))
@@ -537,15 +538,16 @@ def falls(state: State, stage: Stage) -> Iterator[Speed]:
         start = max(0.0, -sign * insertion.velocity[axis])
         height = fall if fall is not None and 0.0 < fall < math.inf else 0.0
         if height or start:
-            yield fallen(height, start, stage.gravity, insertion.poured, bool(below))
+            place = " within the box" if unknown or not insertion.poured else " from the insertion region"
+            place += " (at most: through the whole of it)" if unknown else ""
+            place += "" if below or unknown else " (at most: to the end of the box)"
+            yield fallen(height, start, stage.gravity, place)
 
 
-def fallen(height: float, start: float, gravity: float, poured: bool, floor: bool) -> Speed:
+def fallen(height: float, start: float, gravity: float, place: str) -> Speed:
     """The speed after a fall."""
-    source = "the insertion" if not height else "the fall of {height}"
+    source = "the insertion" if not height else "the fall of {height}" + place
     if height:
-        source += " from the insertion region" if poured else " within the box"
-        source += "" if floor else " (at most: to the end of the box)"
         source += " and the speed of the insertion" if start else ""
     return Speed(math.hypot(start, math.sqrt(2.0 * gravity * height)), source, height or None)
 
