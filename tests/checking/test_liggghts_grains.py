@@ -380,12 +380,12 @@ def test_grains_meet_over_periodic_ends():
 
 @pytest.mark.parametrize("velocity", ["", " vx 0 vz 0", " vz -3"])
 def test_one_grain_meets_nothing_without_a_wall(velocity):
-    """With a speed that is asked for it has the numbers of a contact at this speed."""
+    """With a given speed it has the numbers of a contact at this speed."""
     alone = head() + GRAVITY + SINGLE.format(0.03) + f"set atom 1 diameter 0.004 density 9{velocity}\n" + MOVE
     verdict = hl.check(alone)
     assert verdict.state.never_meet and verdict.state.step_share is None and not verdict.corrected
-    asked = hl.check(alone, speed=0.1).state
-    assert asked.grains == 1 and asked.duration and not asked.never_meet
+    chosen = hl.check(alone, speed=0.1).state
+    assert chosen.grains == 1 and chosen.duration and not chosen.never_meet
     assert not hl.check(alone.replace("run", WALL + "run")).state.never_meet
 
 

@@ -633,9 +633,7 @@ class GrainState:
     layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
     step_is_supposed: bool = False  #: whether it is that below these layers, or for rigid grains
-    step_is_bound: bool = (
-        False  #: whether it is longer or shorter than this if p is less or more than that above
-    )
+    step_is_bound: bool = False  #: whether it is a bound, as p is, on the other side
     step_share: float | None = None  #: the time step over it
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
     never_meet: bool = False  #: whether no grain meets another or a wall, so that t_c ν = 0

@@ -83,8 +83,8 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     stage, loaded = final.last, final.options.load.rests or final.options.drive
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
     many = count is None or count > FEW
-    asked = loaded or around.state is not None or (final.options.speeds and not many)
-    if stage.contents.never_meet and grains.name == "gas" and not asked:
+    overruled = loaded or around.state is not None or (final.options.speeds and not many)
+    if stage.contents.never_meet and grains.name == "gas" and not overruled:
         return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
