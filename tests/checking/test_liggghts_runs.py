@@ -226,6 +226,7 @@ def test_grains_that_were_pressed_more_before_hold_a_part_of_it():
 def test_grains_without_an_integrator_stand_still():
     script = head() + GRAVITY + SPHERE + DISTRIBUTION + PACK + FLOOR + "run 9\n"
     assert any("no fix integrates" in note.what for note in hl.check(script).warnings)
+    assert any("no fix integrates" in note.what for note in hl.check(f"{script}clear\n").warnings)
     moved = script.replace("run", MOVE + "run")
     assert not any("no fix integrates" in note.what for note in hl.check(moved).warnings)
 

@@ -199,14 +199,19 @@ class State(Groups):
             raise self.without_values()
         for (condition, _), *_ in self.forks.values():
             raise refused(condition, f"have a condition that is known without running; {USE_LOG}")
-        if self.stages and self.population.batches and not (self.integrates or self.part or self.unknown):
-            self.warnings[Note(UNMOVED, None, self.stages[-1].quote)] = None
+        self.note_still_grains()
         if (self.part or not self.stages) and self.last is not None and self.changed_since:
             self.stage(self.last.quote, None)
         if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
         self.leave_out_still_ends()
         return self.described()
+
+    def note_still_grains(self) -> None:
+        """Warn if no fix has moved the grains of the last run."""
+        ran = self.stages and self.stages[-1].system == self.system
+        if ran and self.population.batches and not (self.integrates or self.part or self.unknown):
+            self.warnings[Note(UNMOVED, None, self.stages[-1].quote)] = None
 
     def leave_out_still_ends(self) -> None:
         """Leave out runs at the end of a system in which no grain moves, as heat in a bed that rests, after others."""
@@ -484,6 +489,7 @@ class State(Groups):
             self.filling.census.complete = False
 
     def command_clear(self, statement: Statement) -> None:
+        self.note_still_grains()
         self.system += 1
         self.reset()
 
