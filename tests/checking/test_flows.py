@@ -243,7 +243,6 @@ def test_the_radius_is_in_metres_in_every_unit():
         "liggghts_turning_drum",
         ("units si", "units cgs"),
         ("gravity 9.81", "gravity 981"),
-        ("radius constant 0.003", "radius constant 0.3"),
     )
     assert hl.check(cgs).state.centrifuging_radius == pytest.approx(9.81 / (2.0 * math.pi / 3.0) ** 2)
 

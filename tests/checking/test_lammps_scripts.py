@@ -257,7 +257,7 @@ def test_several_partitions_are_read_as_the_first_one(number, runs):
 
 def test_values_of_partitions():
     """The first partition has the first value of world; one alone takes all those of universe, one after another."""
-    text = f"variable s world 1e-6 2e-6\n{BASE}timestep $s\nrun 5\n"
+    text = f"variable s world 1e-6 2e-6\n{BASE}fix move all nve/sphere\ntimestep $s\nrun 5\n"
     (own,) = read(text).warnings
     assert stage(text).time_step == 1e-6 and own.quote.text == "variable s world 1e-6 2e-6"
     stated = read(text, variables={"s": "2e-6"})

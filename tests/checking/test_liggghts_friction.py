@@ -159,10 +159,15 @@ NUMBERS = {
 }
 
 
+MOVE = "fix i all nve/sphere\n"
+
+
 def script_of(model, **numbers):
     """One material, one type of grains."""
     return (
-        HEAD.format(1) + MATERIAL.format(**(NUMBERS | numbers)) + f"pair_style gran {model}\n{GRAIN}run 9\n"
+        HEAD.format(1)
+        + MATERIAL.format(**(NUMBERS | numbers))
+        + f"pair_style gran {model}\n{GRAIN}{MOVE}run 9\n"
     )
 
 
@@ -402,7 +407,7 @@ fix m5 all property/global characteristicVelocity scalar 1
 pair_style gran model hooke tangential history limitForce on tangential_damping off
 fix w all wall/gran model hertz tangential no_history primitive type 1 zplane 0 limitForce on
 {GRAIN}create_atoms 2 box
-run 1
+{MOVE}run 1
 """
     notes = [(note.what.split()[0], note.types, note.quote.line) for note in read(text).warnings]
     assert notes == [
@@ -418,7 +423,5 @@ run 1
 )
 def test_moment_of_inertia(dimension, fix, factor):
     """LIGGGHTS takes grains in two dimensions as disks."""
-    text = f"dimension {dimension}\n" + script_of("model hertz tangential history").replace(
-        "run", f"fix i all {fix}\nrun"
-    )
+    text = f"dimension {dimension}\n" + script_of("model hertz tangential history").replace("nve/sphere", fix)
     assert read(text).stages[0].grains["1"].inertia_factor == factor

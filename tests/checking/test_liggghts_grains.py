@@ -378,10 +378,23 @@ def test_grains_meet_over_periodic_ends():
     assert never_meet(script) and not never_meet(script.replace("boundary f", "boundary p"))
 
 
-def test_one_grain_keeps_the_numbers_of_its_contact():
-    alone = head() + GRAVITY + SINGLE.format(0.03) + "set type 1 diameter 0.004 density 9\n" + MOVE
-    state = hl.check(alone).state
-    assert state.grains == 1 and not state.never_meet and state.duration
+@pytest.mark.parametrize("velocity", ["", " vx 0 vz 0", " vz -3"])
+def test_one_grain_meets_nothing_without_a_wall(velocity):
+    """With a given speed it has the numbers of a contact at this speed."""
+    alone = head() + GRAVITY + SINGLE.format(0.03) + f"set atom 1 diameter 0.004 density 9{velocity}\n" + MOVE
+    verdict = hl.check(alone)
+    assert verdict.state.never_meet and verdict.state.step_share is None and not verdict.corrected
+    chosen = hl.check(alone, speed=0.1).state
+    assert chosen.grains == 1 and chosen.duration and not chosen.never_meet
+    assert not hl.check(alone.replace("run", WALL + "run")).state.never_meet
+
+
+def test_two_grains_side_by_side_fall_alike():
+    pair = ATOMS.partition("create_atoms")[0] + SINGLE.format(0.03) + SINGLE.format(0.05)
+    script = pair + "set atom 1 diameter 0.004 density 9 vz 0\nset atom 2 diameter 0.004 density 9\n" + MOVE
+    assert hl.check(script).state.never_meet
+    meeting = script.replace("vz 0", "vx 1")
+    assert hl.check(meeting).state.grains == 2
 
 
 def test_the_speed_of_an_insertion_without_gravity():

@@ -414,7 +414,8 @@ def test_hertz_contacts_without_any_speed_have_a_table():
     """At 0.01, 0.1 and 1 m/s, which decide nothing."""
     material = f"hertz/material 1e7 0.7 0.3 damping tsuji {FRICTIONLESS}"
     text = box(
-        "create_atoms 1 single 0 0 0", end=END.replace("hooke 1e5 0.9 damping coeff_restitution", material)
+        "create_atoms 1 random 9 3 NULL",
+        end=END.replace("hooke 1e5 0.9 damping coeff_restitution", material),
     )
     verdict = hl.check(text)
     assert [row.speed for row in verdict.rows] == [0.01, 0.1, 1.0] and "speeds" in verdict.missing

@@ -232,7 +232,7 @@ def test_single_grains_keep_their_number_if_they_get_the_type_that_they_have():
     "words,speed",
     [
         ("atom 1 vz -2", 2.0),
-        ("atom 1 vx 3 vz -4", 5.0),
+        ("atom 1 vx 3 vz -4", 4.0),  # across the floor
         ("type 1 vz -2", 2.0),
         ("group all vz -2", 2.0),
         ("atom * vz -2", 2.0),

@@ -351,12 +351,16 @@ class Loaded:
     def springs(self) -> Springs | None:
         """The springs at the mean overlap; None if they are not known."""
         overlap = self.compression
-        linear = self.force.powers.elastic == 4 and self.force.powers.damping == 0
         if overlap is None:
-            terms = springs_of(self.case, 1.0)
-            same = terms is not None and terms == springs_of(self.case, 0.5)
-            return terms if linear and same else None
+            return springs_of(self.case, 1.0) if self.linear else None
         return springs_of(self.case, overlap)
+
+    @property
+    def linear(self) -> bool:
+        """Whether its springs and dashpots are known and the same at each overlap."""
+        powers, terms = self.force.powers, springs_of(self.case, 1.0)
+        constant = (powers.elastic, powers.damping) == (4, 0) and terms == springs_of(self.case, 0.5)
+        return constant and terms is not None
 
     def eigenvalue(self, springs: Springs) -> float:
         """Largest ω² [1/s²] of a packing with these contacts, or of a grain that touches only this wall."""
@@ -572,6 +576,7 @@ class Load:
     origin: str = ""  #: of the pressure, in words
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
+    unloaded: bool = False  #: whether it is at least this, since a run before prescribed more
     uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
     packing: Packing | None = None  #: as measured in a dump, or given
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains, if they are known and differ
@@ -606,6 +611,7 @@ class GrainState:
     pressure: float | None = None  #: p [Pa]; at rest under gravity at the bottom
     pressure_from: str | None = None  #: where it comes from, in words
     pressure_is_bound: bool = False  #: whether p is at most this: a box full of grains, or walls beside them
+    pressure_is_least: bool = False  #: whether grains may still hold a part of a larger one of a run before
     packing_fraction: float | None = None  #: φ that was used, measured or expected
     coordination: float | None = None  #: contacts of a grain that were used, measured or expected
     overlap: float | None = None  #: δ/R, mean overlap of contacts over the smaller radius
@@ -627,6 +633,7 @@ class GrainState:
     layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
     step_is_supposed: bool = False  #: whether it is that below these layers, or for rigid grains
+    step_is_bound: bool = False  #: whether it is a bound, as p is, on the other side
     step_share: float | None = None  #: the time step over it
     grains: int | None = None  #: one or two, or 0 that meet walls only: numbers of an impact
     never_meet: bool = False  #: whether no grain meets another or a wall, so that t_c ν = 0
@@ -743,6 +750,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         pressure=load.pressure,
         pressure_from=load.origin or None,
         pressure_is_bound=load.bound,
+        pressure_is_least=load.unloaded,
         packing_fraction=packing.packing_fraction,
         coordination=packing.coordination,
         largest_stable_step=longest,
@@ -767,7 +775,9 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if load.pressure is None:
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
-        state = replace(state, step_share=None if time_step is None else time_step / longest)
+        bound = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
+        share = None if time_step is None else time_step / longest
+        state = replace(state, step_is_bound=bound, step_share=share)
     if load.pressure is None or not _pairs(contacts):
         return state
     state = _softened(state, contacts, mix)

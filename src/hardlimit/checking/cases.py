@@ -403,6 +403,11 @@ def _ends(
     grains = [stage.grains.get(name, Grains(name)) for name in contact.types if name != WALL]
     if all(kind.frozen for kind in grains):
         return
+    if len({kind.type for kind in grains}) == 1 and (both := grains[0].pair):
+        groups = [[*both]] if len(grains) == 2 else [[each] for each in both]
+        for group in groups:
+            yield from _between(number, stage, contact, force, friction, materials, group)
+        return
     if not (len(set(contact.types)) == 1 and grains[0].alone):
         yield from _between(number, stage, contact, force, friction, materials, grains)
     for first, second in {

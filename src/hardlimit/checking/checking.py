@@ -206,7 +206,7 @@ def _of_system(system: ParticleSystem, law: Law, options: Options, step: float |
         coordination=coordination,
         in_several_contacts=several,
     )
-    resting = [Finding(findings.rest(support, system.n))] * support.rests
+    resting = [Finding(findings.rest(support, system.n, findings.RESTS))] * support.rests
     densities = system.mass / (UNIT_BALL[system.dimension] * system.radius**system.dimension)
     in_system = drive.of_system(system)
     if options.drive is None and not options.speeds and not system._walls_move:

@@ -12,6 +12,7 @@ from ..support.formatting import digits
 from . import cases, drive, dumps, friction_words
 from .at_rest import GrainState
 from .contacts import CheckedContact
+from .loads import less_than_a_layer
 from .options import Options
 from .result import Finding
 from .scripts import Description, Note, Quote, Stage
@@ -19,6 +20,7 @@ from .scripts import Description, Note, Quote, Stage
 #: In the note on walls and springs that versions of LAMMPS have without friction.
 ERROR_OF_VERSIONS: Final = "PR 5007"
 RESTS: Final = "grains rest on each other under gravity"
+SPARSE: Final = "grains, too few to cover the floor, come to rest under gravity"
 RESTS_ON_WALLS: Final = "grains come to rest on walls under gravity"
 RESTS_OR_FLOWS: Final = "grains rest or flow in lasting contact under gravity"
 FEW_REST: Final[dict[float | None, str]] = {
@@ -59,7 +61,10 @@ def lasting(
         )
         walls_only = all(row.types[1] == cases.WALL for row in rows)
         for stage, support in islice(resting, 1):
-            yield Finding(rest(support, stage.contents.count, walls_only), None, where(stage.quote))
+            still = not support.moves and support.shaking is None
+            sparse = still and less_than_a_layer(stages[-1].contents, stage.dimension)
+            otherwise = RESTS_ON_WALLS if walls_only else SPARSE if sparse else RESTS
+            yield Finding(rest(support, stage.contents.count, otherwise), None, where(stage.quote))
     overdamped: dict[tuple[str, str], list[bool]] = {}
     for row in rows:
         overdamped.setdefault(row.types, []).append(row.restitution == 0.0 and not row.adhesive)
@@ -81,7 +86,7 @@ def held_together(grains: GrainState, options: Options, lasting: Iterable[Findin
     """Findings of lasting contacts: that which options state first, and no rest in a flow that may be collisional."""
     findings = list(lasting)
     if grains.may_separate:
-        rest = (RESTS, RESTS_ON_WALLS, *FEW_REST.values())
+        rest = (RESTS, RESTS_ON_WALLS, SPARSE, *FEW_REST.values())
         findings = [finding for finding in findings if not finding.what.startswith(rest)]
     elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
@@ -92,10 +97,10 @@ def held_together(grains: GrainState, options: Options, lasting: Iterable[Findin
         yield finding._replace(what=finding.what.replace(RESTS, moves))
 
 
-def rest(support: drive.Support, count: float | None, walls_only: bool = False) -> str:
-    """That so many grains rest, and how strongly their support is shaken; few, or all without others, on walls."""
+def rest(support: drive.Support, count: float | None, otherwise: str) -> str:
+    """That so many grains rest, in words for more than a few, and how strongly their support is shaken."""
     shaking = "" if support.shaking is None else f" (Γ = A ω²/g = {digits(support.shaking, 3)})"
-    return f"{FEW_REST.get(count, RESTS_ON_WALLS if walls_only else RESTS)}{shaking}"
+    return f"{FEW_REST.get(count, otherwise)}{shaking}"
 
 
 def not_understood(

@@ -54,6 +54,7 @@ def in_script(
         lasting=findings.contacts_last([row for _, row in final.examined], states),
         barostat="barostat" in others,
         piston=any(drive.presses(run) for run in runs),
+        before=max((run.pressure or 0.0 for run in runs), default=0.0),
         elastic=bounces(final, others),
         fluid=any(words in others for words in ("fluid", "buoyancy")),
     )
@@ -88,7 +89,8 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
     many = count is None or count > FEW
     falls = many or bool(stage.gravity)  # few others are asked for an impact
-    if falls and stage.contents.never_meet and grains.name == "gas" and around.state is None and not loaded:
+    overruled = loaded or around.state is not None or (final.options.speeds and not many)
+    if falls and stage.contents.never_meet and grains.name == "gas" and not overruled:
         return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)

@@ -12,7 +12,7 @@ import numpy as np
 from ..boxes.box import UNIT_BALL
 from ..boxes.system import ParticleSystem
 from ..support import validation
-from ..support.formatting import digits, length, listed
+from ..support.formatting import digits, length, listed, quantity
 from . import dumps, flows, mixture
 from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
 from .contacts import Body, Case
@@ -29,6 +29,8 @@ BY_SCRIPT: Final = "as the script says"
 #: spheres in YADE: dense ones (φ = 0.64) have 1.55, 1.66 and 1.83 with μ = 0.3, 0.5 and 1, a loose one (0.57, μ = 0.5)
 #: 1.37.
 SHEARED: Final = 1.9
+#: Pressure before over that now from which grains count as unloaded.
+UNLOADED: Final = 1.2
 #: Volume of one layer of spheres over that of a box of their height.
 LAYER: Final = 0.6
 #: Fewest contacts of a grain in what is taken as a packing.
@@ -76,6 +78,7 @@ class Around(NamedTuple):
     lasting: bool | None = None  #: whether a dump shows lasting contacts; None without one
     barostat: bool = False
     piston: bool = False  #: whether a wall moved along gravity in this run or one before
+    before: float = 0.0  #: largest pressure that this run or one before prescribes
     elastic: bool = False  #: whether nothing dissipates, so that no grain comes to rest
     fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
@@ -183,9 +186,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.pressure is not None:
         return {"pressure": options.pressure, "origin": "given"}
     if pressed and options.height is None:
-        origin = BY_SCRIPT + f"; up to {SHEARED:g} times that while one axis is compressed" * stage.strained
-        origin += ", until a callback changes it" * stage.pressure_changes
-        return {} if stage.pressure is None else {"pressure": stage.pressure, "origin": origin}
+        return {} if stage.pressure is None else _prescribed(stage, stage.pressure, around)
     if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope
@@ -195,7 +196,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
     density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
-    if options.height is None and _less_than_a_layer(contents, around.dimension):
+    if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
             return {}
         pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
@@ -225,7 +226,21 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     return {"pressure": pressure, "origin": origin, "weight": True, "bound": bound}
 
 
-def _less_than_a_layer(contents: Contents, dimension: int) -> bool:
+def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]:
+    """The pressure of the script. Grains that a piston relieves keep a part of what pressed them across it before."""
+    origin = BY_SCRIPT + f"; up to {SHEARED:g} times that while one axis is compressed" * stage.strained
+    origin += ", until a callback changes it" * stage.pressure_changes
+    known = {"pressure": pressure, "origin": origin}
+    if not stage.uniaxial or around.before < UNLOADED * pressure:
+        return known
+    mass, length, time = SCALES[around.units]
+    before = around.before * mass / (length * time**2)
+    shown = digits(before, 3) if around.units == "lj" else quantity(before, "Pa", 3)
+    origin = f"{origin}, though they may hold a part of the {shown} before"
+    return known | {"origin": origin, "unloaded": True}
+
+
+def less_than_a_layer(contents: Contents, dimension: int) -> bool:
     """Whether grains are too few to cover the floor."""
     if not (contents.count and contents.filled and contents.floor):
         return False

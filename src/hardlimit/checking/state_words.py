@@ -140,6 +140,7 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
         options = "--pressure or --height" if state.name == "rest" else "--pressure"
         return _border(state, plain, dimension, options)
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
+    least, most = (" ≤", "at least ") if state.pressure_is_least else (least, most)
     shown = f"{'p = ' * plain}{_pressure(state.pressure, plain, dimension, 3)}"
     verb = VERBS["pressed" if _slides(state) else state.name]
     text = f"{verb} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
@@ -155,6 +156,8 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
         overlap = percent(state.overlap or 0.0)
         if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
             overlap = "more than half"  # which no contact law describes
+        elif state.overlap_range is not None and state.pressure_is_least:
+            overlap = percent(state.overlap_range[0])
         elif state.overlap_range is not None and not most and not overlap.startswith("less"):
             low, high = map(percent, state.overlap_range)
             overlap = f"{low.removesuffix(' %')} to {high}"
@@ -162,7 +165,8 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     if state.stiffness is None or state.stiffness_for_rigid is None:
         return f"{text}; rigid from κ_p = 1e4 on"
     value = f"{digits(state.stiffness_for_rigid, 2)} {state.stiffness_unit or ''}".rstrip()
-    needed = f"{stiffness(state.stiffness)} of {value}{' or less' * state.pressure_is_bound}"
+    bound = " or less" if state.pressure_is_bound else " or more" if state.pressure_is_least else ""
+    needed = f"{stiffness(state.stiffness)} of {value}{bound}"
     return f"{text}; {'still rigid (1e4) at' if kappa >= RIGID else 'rigid grains (1e4) take'} {needed}"
 
 
@@ -195,7 +199,9 @@ def _step(state: GrainState, plain: bool) -> str:
         limit += " up to this pressure" if state.layers_height is None else f" below {state.layers} layers"
     if state.step_share is None:
         return f"Steps are stable below {limit}"
-    return f"The step is {digits(state.step_share, 2)} of the longest stable one, {limit}"
+    ends = ("at most ", "at least ") if state.step_is_bound else ("", "")
+    share, longest_one = ends[::-1] if state.pressure_is_least else ends
+    return f"The step is {share}{digits(state.step_share, 2)} of the longest stable one, {longest_one}{limit}"
 
 
 def details(verdict: Verdict) -> Iterator[str]:

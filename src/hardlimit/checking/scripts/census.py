@@ -234,3 +234,10 @@ def lot(kind: int, count: float | None, means: tuple[float, float] | None) -> Lo
     if count is None or means is None:
         return Lot(kind, count)
     return Lot(kind, count, count * means[0], count * means[1])
+
+
+def of_volume(kind: int, volume: float, means: tuple[float, float] | None) -> Lot:
+    """Grains of this total volume. Their number, which LIGGGHTS rounds at random, is the larger one."""
+    cubes = 0.75 / math.pi * volume
+    number = None if means is None else math.ceil(cubes / means[1] * (1.0 - ROUNDING))
+    return Lot(kind, number, cubes=cubes)

@@ -66,6 +66,7 @@ class Grains:
     partly_frozen: bool = False  #: whether some of them, but not all, do not move
     fixed: Grains | None = None  #: those, if their sizes are not those of the others
     alone: bool = False  #: whether only one of them moves, which then touches none like itself
+    pair: tuple[Grains, Grains] | None = None  #: both, if there are only two, which are not alike
     inertia_factor: float = 0.4  #: q of the moment of inertia q m R²; infinite if the grains do not spin
 
 

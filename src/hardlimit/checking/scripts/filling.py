@@ -263,13 +263,14 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: 
     elif fix.style.startswith("insert/pack"):
         share = count = mass = None
     name = (*fix.words[fix.words.index("region") + 1 :], "")[0] if "region" in fix.words else ""
-    poured(state, fix, kind, count, alike(radii))
+    means = alike(radii)
+    poured(state, fix, kind, count, means)
     region = filling.regions.get(name)
     space = census.volume(region, filling.ends) if region and share is not None else None
     if share is not None and space is not None and math.isfinite(space):
-        filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * share * space)
+        filling.census.lots[-1] = census.of_volume(kind, share * space, means)
     elif count is None and mass is not None and densities is not None and densities[0] == densities[1]:
-        filling.census.lots[-1] = Lot(kind, cubes=0.75 / math.pi * mass / densities[0])
+        filling.census.lots[-1] = census.of_volume(kind, mass / densities[0], means)
 
 
 def streamed(state: State, fix: Fix, volume_rate: float | None) -> None:
@@ -378,6 +379,7 @@ def contents(state: State, stage: Stage) -> Contents:
     stated = (*heat, *drift(state, stage)) if filling.velocities_known else ()
     floor, walled = floor_of(state, stage)
     stream = streams.only(state, stage) if free_fall.undisturbed(state) else None
+    free = any(fix.style.endswith("6dof") for fix in state.fixes.values())
     stated = stated if stream is None else (streams.speed(stream),)
     moving = replace(filling.census, lots=[lot for lot in filling.census.lots if not state.frozen(lot.kind)])
     return Contents(
@@ -388,6 +390,7 @@ def contents(state: State, stage: Stage) -> Contents:
         stream=stream.packing_fraction if stream is not None and stream.along_face else None,
         floor=floor,
         walled=walled or any(kind.partly_frozen for kind in stage.grains.values()),
+        without="the weight of the body that moves freely (6dof)" if free else "",
         lots=filling.census.known,
         never_meet=free_fall.never_meet(state, stage),
         **height_of(state, stage),
@@ -503,9 +506,12 @@ def has_known_shape(state: State, wall: Fix) -> bool:
 def falls(state: State, stage: Stage) -> Iterator[Speed]:
     """The speeds with which grains reach the floor from where they are made; without gravity, those of insertions."""
     if not any(fix.style == "gravity" for fix in state.fixes.values()):
-        largest = max((math.hypot(*each.velocity) for each in state.filling.insertions), default=0.0)
-        if largest and any(contact.wall is not None for contact in stage.contacts):
-            yield Speed(largest, "the insertion")
+        launched = {each.velocity for each in state.filling.insertions}
+        others = (
+            launched | {still()} if any(contact.wall is not None for contact in stage.contacts) else launched
+        )
+        if largest := max((math.dist(a, b) for a in launched for b in others), default=0.0):
+            yield Speed(largest, "the insertion" if len(launched) == 1 else "the insertions")
         return
     axes = [k for k, part in enumerate(stage.down or ()) if abs(part) > ALONG]
     if (
@@ -523,7 +529,8 @@ def falls(state: State, stage: Stage) -> Iterator[Speed]:
     for insertion in state.filling.insertions:
         limits = census.extents(insertion.region, state.filling.ends) if insertion.region else None
         top = max((sign * end for end in limits[axis]), default=None) if limits else None
-        if insertion.region == ():
+        unknown = insertion.region is None and any(contact.wall is not None for contact in stage.contacts)
+        if insertion.region == () or unknown:
             top = max(ends, default=None)
         below = [] if top is None else [wall for wall in walls if wall < top]
         floor = max(below, default=min(ends, default=None))
@@ -531,15 +538,16 @@ def falls(state: State, stage: Stage) -> Iterator[Speed]:
         start = max(0.0, -sign * insertion.velocity[axis])
         height = fall if fall is not None and 0.0 < fall < math.inf else 0.0
         if height or start:
-            yield fallen(height, start, stage.gravity, insertion.poured, bool(below))
+            place = " within the box" if unknown or not insertion.poured else " from the insertion region"
+            place += " (at most: through the whole of it)" if unknown else ""
+            place += "" if below or unknown else " (at most: to the end of the box)"
+            yield fallen(height, start, stage.gravity, place)
 
 
-def fallen(height: float, start: float, gravity: float, poured: bool, floor: bool) -> Speed:
+def fallen(height: float, start: float, gravity: float, place: str) -> Speed:
     """The speed after a fall."""
-    source = "the insertion" if not height else "the fall of {height}"
+    source = "the insertion" if not height else "the fall of {height}" + place
     if height:
-        source += " from the insertion region" if poured else " within the box"
-        source += "" if floor else " (at most: to the end of the box)"
         source += " and the speed of the insertion" if start else ""
     return Speed(math.hypot(start, math.sqrt(2.0 * gravity * height)), source, height or None)
 
@@ -547,12 +555,21 @@ def fallen(height: float, start: float, gravity: float, poured: bool, floor: boo
 def drift(state: State, stage: Stage) -> Iterator[Speed]:
     """The largest relative velocity of groups whose velocities are set, and of what stands still."""
     drifts = [tuple(x or 0.0 for x in velocity) for velocity in state.filling.drifts.values()]
-    walls = [still()] if any(contact.types[1] == "wall" for contact in stage.contacts) else []
-    whole = "all" in state.filling.drifts or len(drifts) > 1
-    others = [*drifts, *(walls if whole else [still()])]
+    whole = "all" in state.filling.drifts or len(drifts) > 1 or state.filling.census.count == 1.0
+    others = [*drifts, *([] if whole else [still()])]
     largest = max((math.dist(a, b) for a in drifts for b in others), default=0.0)
-    if largest > 0.0:
+    walls = [contact.pushes for contact in stage.contacts if contact.wall is not None]
+    at_walls = [towards(velocity, pushes) for velocity in drifts for pushes in walls]
+    if largest := max([largest, *at_walls]):
         yield Speed(largest, "the velocities that are set")
+
+
+def towards(velocity: Sequence[float], pushes: Sequence[Direction] | None) -> float:
+    """The largest velocity across a wall that pushes so, which need not be known; no motion along it is an impact."""
+    if pushes is None:
+        return math.hypot(*velocity)
+    axes = {tuple(map(abs, push)) for push in pushes}  # two across a cylinder
+    return math.hypot(*(sum(v * n for v, n in zip(velocity, axis, strict=True)) for axis in axes))
 
 
 def still() -> Direction:

@@ -85,7 +85,6 @@ def never_meet(state: State, stage: Stage) -> bool:
     before = [other for other in state.stages if other.system == stage.system]
     if (
         not launches
-        or UNKNOWN in launches
         or not undisturbed(state)
         or state.population.elsewhere
         or any(kind.frozen or kind.partly_frozen for kind in stage.grains.values())
@@ -94,6 +93,10 @@ def never_meet(state: State, stage: Stage) -> bool:
     ):
         return False
     filling = state.filling
+    if filling.census.count == 1.0:
+        return True
+    if UNKNOWN in launches:
+        return False
     moved = filling.drifts or filling.heat or not filling.velocities_known
     if moved or len({launch.velocity for launch in launches}) > 1 or not _one_pull(state):
         return False

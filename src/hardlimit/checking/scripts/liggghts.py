@@ -218,8 +218,11 @@ class Liggghts(State):
         """The material type of a mesh."""
         kind = self.option(fix, "type")
         self.meshes[fix.statement.words[1]] = self.type_of(kind) if kind else 0
-        if "servo" in fix.style:
+        if fix.style.endswith(("servo", "6dof")):
             self.moving_mesh(fix)
+        for word in ("surface_vel", "surface_ang_vel"):
+            if word in fix.words:
+                self.ignore(f"a moving wall ({word})", fix.statement)
 
     def moving_mesh(self, fix: Fix) -> None:
         """A mesh that moves."""
@@ -328,12 +331,14 @@ class Liggghts(State):
                 moves = motion.strongest(
                     [motion.of_mesh(self, word) for word in parsed.rest], gravity.down(self)
                 )
+                belt = motion.strongest([motion.of_surface(self, word) for word in parsed.rest])
                 for kind in kinds:
                     for end in ends:
                         numbers, quotes = self.between(kind, end)
                         wall = name if len(ends) == 1 else f"{name} (type {end})"
                         friction = self.friction(model, kind, end)
                         moving = motion.of_wall(self, parsed.rest, 0, friction != 0.0) or moves
+                        moving = moving or (belt if friction != 0.0 else None)
                         contact = self.wall_contact(
                             kind,
                             wall,

@@ -463,6 +463,16 @@ def of_mesh(state: State, name: str) -> Motion | None:
     return strongest(motions, gravity.down(state))
 
 
+def of_surface(state: State, name: str) -> Motion | None:
+    """The motion of the surface of a mesh of LIGGGHTS that itself stands still, as that of a conveyor belt."""
+    words = state.fixes[name].words if name in state.fixes else ()
+    if "surface_vel" in words:
+        at = words.index("surface_vel") + 1
+        motion = replace(steady(state, words[at : at + 3]), course=None)
+        return None if motion.velocity == 0.0 else motion
+    return STEADY if "surface_ang_vel" in words else None
+
+
 def strongest(motions: Sequence[Motion | None], down: Direction | None = None) -> Motion | None:
     """An unknown motion, or that of the greatest acceleration along gravity, then along any direction; of steady ones
     that which sinks fastest."""

@@ -141,6 +141,10 @@ class Population:
         if densities is None:
             masses = union([batch.with_mass_of(3).masses for batch in batches])
         radii = union([batch.radii for batch in batches])
+        pair = None
+        if len(batches) == 2 and not partly_frozen and all(batch.atom is not None for batch in batches):
+            first, second = (Grains(name, each.radii, each.densities, each.masses) for each in batches)
+            pair = None if first == second else (first, second)
         return Grains(
             type=name,
             radii=radii,
@@ -149,6 +153,7 @@ class Population:
             frozen=frozen,
             counted=counted,
             partly_frozen=partly_frozen,
+            pair=pair,
         )
 
 

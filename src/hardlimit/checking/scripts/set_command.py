@@ -62,10 +62,10 @@ def read(state: State, statement: Statement) -> None:
         if not (count := SET_COUNTS.get(word, 1 if CUSTOM.match(word) else 0)) or len(values) < count:
             state.quote_with(statement, f"{word} is not understood")
             break
-        if word in ("vx", "vy", "vz", "x", "y", "z"):
-            state.filling.launches.append(free_fall.UNKNOWN)
         if word in velocity:
             velocity[word] = state.coefficient(values[0])
+        if word in ("x", "y", "z") or velocity.get(word, 0.0) != 0.0:
+            state.filling.launches.append(free_fall.UNKNOWN)
         if word in TYPE_KEYWORDS:
             _set_type(state, statement, chosen, word, values[:count], atoms)
         elif word in SET_KEYWORDS:

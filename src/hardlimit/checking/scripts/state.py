@@ -106,6 +106,7 @@ FORCES: Final = {
     "forcecontrol/region": "forces that control a stress or a velocity",
     "break/particle": "grains that break",
 }
+UNMOVED: Final = "no fix integrates the motion of the grains, which stand still without one"
 CLUMPS: Final = ("rigid", "poems", "multisphere", "particletemplate/multi", "shake", "rattle", "nve/asphere")
 CLUMP_STYLES: Final = ("ellipsoid", "line", "tri", "body", "superquadric", "convexhull", "bpm")
 
@@ -118,6 +119,16 @@ class Fix:
     group: str
     style: str
     words: tuple[str, ...]  #: after the style
+
+
+def integrates(fix: Fix) -> bool:
+    """Whether a fix moves grains as the forces on them say."""
+    return fix.style.startswith(INTEGRATORS) and not fix.style.startswith(PRESCRIBED)
+
+
+def still(stage: Stage) -> bool:
+    """Whether no force moves a grain in a run."""
+    return bool(stage.grains) and all(kind.frozen for kind in stage.grains.values())
 
 
 @dataclass
@@ -159,6 +170,7 @@ class State(Groups):
         self.edges: dict[str, float] = {}  #: of the box
         self.filling = filling.Filling()
         self.squeezed: list[Note] = []  #: commands that shrank the box
+        self.integrates = False  #: whether a fix has moved grains as forces say
         self.variables.keywords["dt"] = TIME_STEPS[self.units]
 
     # --- what subclasses provide --------------------------------------------------------------------------------
@@ -187,11 +199,27 @@ class State(Groups):
             raise self.without_values()
         for (condition, _), *_ in self.forks.values():
             raise refused(condition, f"have a condition that is known without running; {USE_LOG}")
+        self.note_still_grains()
         if (self.part or not self.stages) and self.last is not None and self.changed_since:
             self.stage(self.last.quote, None)
         if not self.granular or not self.stages:
             raise ValueError("script: has no granular contacts")
+        self.leave_out_still_ends()
         return self.described()
+
+    def note_still_grains(self) -> None:
+        """Warn if no fix has moved the grains of the last run."""
+        ran = self.stages and self.stages[-1].system == self.system
+        if ran and self.population.batches and not (self.integrates or self.part or self.unknown):
+            self.warnings[Note(UNMOVED, None, self.stages[-1].quote)] = None
+
+    def leave_out_still_ends(self) -> None:
+        """Leave out runs at the end of a system in which no grain moves, as heat in a bed that rests, after others."""
+        for k in range(len(self.stages) - 1, 0, -1):
+            last, before = self.stages[k], self.stages[k - 1]
+            ends = k + 1 == len(self.stages) or self.stages[k + 1].system != last.system
+            if ends and before.system == last.system and still(last) and before.grains:
+                del self.stages[k]
 
     def without_values(self) -> ValueError:
         """The error that names all variables whose values are missing."""
@@ -461,6 +489,7 @@ class State(Groups):
             self.filling.census.complete = False
 
     def command_clear(self, statement: Statement) -> None:
+        self.note_still_grains()
         self.system += 1
         self.reset()
 
@@ -541,7 +570,11 @@ class State(Groups):
         grains = self.population.grains(
             kind, str(kind), frozen, not freezes and "freeze" not in partly, disks, bool(partly)
         )
-        return replace(grains, inertia_factor=self.inertia_factor(kind))
+        own = self.inertia_factor(kind)
+        if grains.pair is not None:
+            first, second = (replace(each, frozen=frozen, inertia_factor=own) for each in grains.pair)
+            grains = replace(grains, pair=(first, second))
+        return replace(grains, inertia_factor=own)
 
     def note_adhesion(self, contacts: Sequence[ContactSettings]) -> None:
         """Note the statements that make contacts adhesive or plastic, each with all types that it concerns."""
@@ -765,6 +798,7 @@ class State(Groups):
             self.quote_with(statement, f"the group {words[2]} is not defined")
         fix = Fix(statement, words[2], unaccelerated(words[3]), words[4:])
         self.fixes[words[1]] = fix
+        self.integrates |= integrates(fix)
         self.targets.pop(words[1], None)
         if not self.own_fix(fix):
             self.other_fix(fix)
@@ -839,12 +873,9 @@ class State(Groups):
 
     def frozen(self, kind: int) -> bool:
         """Whether no contact changes the velocity of a grain of a type."""
-        groups = [
-            self.members(fix.group)
-            for fix in self.fixes.values()
-            if fix.style.startswith(INTEGRATORS) and not fix.style.startswith(PRESCRIBED)
-        ]
-        integrated = not groups or any(group.types is None or kind in group.types for group in groups)
+        groups = [self.members(fix.group) for fix in self.fixes.values() if integrates(fix)]
+        unsaid = not self.integrates and not groups
+        integrated = unsaid or any(group.types is None or kind in group.types for group in groups)
         return not integrated or self.stopped("freeze", kind) or self.stopped("setforce", kind)
 
     def integrators_of(self, kind: int) -> list[Fix]:

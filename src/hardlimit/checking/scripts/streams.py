@@ -3,8 +3,9 @@
 Grains are made behind a plane face and move along its normal until they pass it; only from then on gravity and contacts
 act on them, and they have their velocity along the face. Through a level face they leave with one velocity: who comes
 earlier is ahead and faster, so that no grain catches up with another one. Velocities along the face let grains that are
-released touch those beside them that are not: the impact speed is at most this velocity, the packing fraction at most
-that behind the face. Source: LIGGGHTS' documentation of this fix, and ``fix_insert_stream.cpp``.
+released touch those beside them that are not, with this velocity, and with up to twice as much where they bounced off
+one before; the packing fraction is at most that behind the face. Source: LIGGGHTS' documentation of this fix, and
+``fix_insert_stream.cpp``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
 LEVEL, ALONG = 1.0 - 1e-6, 1e-6
 #: Largest packing fraction of spheres that are placed at random without overlap.
 DENSEST: Final = 0.5
-SOURCE: Final = "at most: the velocity along its face with which the stream is released"
+SOURCE: Final = (
+    "the velocity along its face with which the stream is released; grains that bounced meet faster"
+)
 
 
 class Stream(NamedTuple):
