@@ -111,6 +111,7 @@ class Contents:
     stream: float | None = None  #: largest packing fraction of a stream into open space
     never_meet: bool = False  #: whether no grain meets another or a wall
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it, at most
+    poured: bool = False  #: whether all grains fall from where they are inserted, few at a time
 
 
 NOTHING = Contents()
