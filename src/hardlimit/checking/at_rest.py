@@ -506,7 +506,7 @@ class Mixed:
         """Largest ω² [1/s²]: around grains of the kind with the fastest motion.
 
         Springs to heavier grains count less, up to half. The neighbours of the fastest ones differ from the mean by a
-        standard deviation and more: 1 to 12 % below the step of beds up to radii of 1:3 (studies/mixtures.nc).
+        standard deviation and more: 1 to 13 % below the step of beds up to radii of 1:3 (studies/mixtures.nc).
         """
         shares, largest = mixture.pairs(self.kinds), 0.0
         ends = shares.contacts.sum(axis=0)
