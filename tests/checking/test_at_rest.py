@@ -381,6 +381,32 @@ def test_a_bed_under_gravity_is_settled_whatever_gives_its_pressure():
     assert state(text, speed=0.1).overlap_range is not None
 
 
+def test_poured_grains_are_denser_than_those_inserted_at_once():
+    """Of equal grains, in a script with and without its dump; with little friction not beyond smooth ones."""
+    poured, once = at_rest.settled(0.5, poured=True), at_rest.settled(0.5)
+    for name, packing in (("lammps_settled_bed", poured), ("liggghts_settled_bed", once)):
+        text = (STATES / name).read_text(encoding="utf-8")
+        said = state(text, height=0.1)
+        softened = packing.softened(said.stiffness_number)
+        assert said.coordination == pytest.approx(softened.coordination, rel=0.02)
+        assert said.packing_fraction == pytest.approx(softened.packing_fraction, rel=0.01)
+        dumped = state(STATES / name, dump=STATES / f"{name}.dump.gz", speed=0.1)
+        alone = state(text, speed=0.1)
+        assert alone.overlap == pytest.approx(dumped.overlap, rel=0.01)
+    often = (
+        (STATES / "liggghts_settled_bed")
+        .read_text(encoding="utf-8")
+        .replace("insert_every once", "insert_every 100")
+    )
+    assert state(often, height=0.1).packing_fraction > 1.03 * said.packing_fraction
+    for mu in (0.0, 0.05, 0.1, 0.3, 1.0, 3.0):
+        bed, higher, smooth = at_rest.settled(mu), at_rest.settled(mu, poured=True), at_rest.settled(0.0)
+        for values in zip(bed[:4], higher[:4], smooth[:4], strict=True):
+            assert list(values) == sorted(values)
+    assert at_rest.settled(0.0, poured=True) == at_rest.settled(0.0)
+    assert at_rest.settled(0.5, 2, poured=True) == at_rest.settled(0.5, 2)
+
+
 # --- grains of unequal sizes ------------------------------------------------------------------------------------
 
 
