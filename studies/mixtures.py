@@ -207,7 +207,7 @@ def state_of(radius: Floats, law: hl.Law, pressure: float) -> at_rest.GrainState
     """What check says of grains of these sizes under a mean pressure."""
     ends = [hl.Ball(float(r), density=DENSITY) for r in dict.fromkeys((radius.min(), radius.max()))]
     kinds = mixture.of_grains(["1"] * len(radius), radius, np.full(len(radius), DENSITY))
-    load = at_rest.Load("rest", pressure=pressure, packing=at_rest.PACKINGS[3, True], kinds=kinds)
+    load = at_rest.Load("rest", pressure=pressure, packing=at_rest.settled(0.5), kinds=kinds)
     return at_rest.grain_state(cases.of_law(ends, law, False, None), load, None, 3)
 
 

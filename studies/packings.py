@@ -57,6 +57,10 @@ SETTLED: Final = {
     ("linear", 0.5): {1e2: 6, 10**2.5: 6, 1e3: 6, 10**3.5: 6, 1e4: 5, 1e5: 3, 1e6: 1},
     ("hertz", 0.5): {1e2: 3, 1e3: 3, 1e4: 3},
     ("linear", 0.0): {1e2: 2, 1e3: 2},
+    ("linear", 0.1): {1e2: 2, 1e3: 3, 10**3.5: 3},
+    ("linear", 0.2): {10**3.5: 3},
+    ("linear", 0.3): {1e2: 2, 1e3: 3, 10**3.5: 3},
+    ("linear", 1.0): {1e2: 2, 1e3: 3, 10**3.5: 3},
 }
 WIDTH, BLOCKS, LOOSE = 6.5, 2, 0.5  #: a bed starts as two cubes on each other
 SETTLING: Final = (12.0, 300.0)  #: time in √(d/g) for hard grains, and the addition for soft ones times √κ
@@ -295,7 +299,11 @@ def axes() -> dict[str, dict[str, Sequence[Any]]]:
     """The axes of each test."""
     levels = sorted({level for levels in SETTLED.values() for level in levels})
     return {
-        "settled": {"law": ["linear", "hertz"], "friction": [0.0, 0.5], "kappa": levels},
+        "settled": {
+            "law": ["linear", "hertz"],
+            "friction": sorted({mu for _, mu in SETTLED}),
+            "kappa": levels,
+        },
         "compressed": {"level": list(LEVELS)},
         "sheared": {"fraction": sorted(SHEARED)},
     }

@@ -32,6 +32,13 @@ from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
 N: Final = 300
 LEVELS: Final = (1e5, 10**4.5, 1e4, 10**3.5, 1e3)
+SOFT: Final = (
+    10**2.5,
+    1e2,
+    10**1.5,
+    10**1.25,
+)  #: levels of cells of their own, at :data:`HASTE` times the rates
+HASTE: Final = 5.0
 TIME_STEP: Final = 0.15  #: t_c/15
 #: Rate of strain along each axis [√(k/m)] from the end of the first compression to the first level, and at most there.
 ONSET, ADJUSTED = 1e-5, 2e-6
@@ -64,6 +71,15 @@ class Preparation(NamedTuple):
     stiffness_ratio: float = 2.0 / 7.0  #: k_t/k
     restitution: float = 0.5
     first: int = 0  #: the level at whose pressure the first compression ends
+    soft: bool = False  #: whether it goes through the soft levels, from 10³ on
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        return (LEVELS[-1], *SOFT) if self.soft else LEVELS
+
+    @property
+    def haste(self) -> float:
+        return HASTE if self.soft else 1.0
 
 
 PREPARATIONS: Final = {
@@ -76,6 +92,7 @@ PREPARATIONS: Final = {
     "k_t = k": Preparation(stiffness_ratio=1.0),
     "ε = 0.9": Preparation(restitution=0.9),
     "at once, ε = 0.9": Preparation(restitution=0.9, first=3),
+    "soft": Preparation(soft=True),
 }
 
 
@@ -90,7 +107,7 @@ def radii_of(spread: float, seed: int) -> Floats:
 
 def script(mu: float, how: Preparation) -> str:
     """The input script of LAMMPS, which writes K.dump at the level K."""
-    steps, first = round(SLOW.get(mu, 1.0) * REST / TIME_STEP), 1.0 / LEVELS[how.first]
+    steps, first = round(SLOW.get(mu, 1.0) * REST / how.haste / TIME_STEP), 1.0 / how.levels[how.first]
 
     def law(friction: float) -> str:
         tangential = f"linear_history {how.stiffness_ratio!r} 0.0 {friction!r}"
@@ -109,7 +126,8 @@ def script(mu: float, how: Preparation) -> str:
         ]
 
     def adjusted(pressure: float) -> list[str]:
-        period, mean = min(200.0, pressure / (3.0 * MODULUS * ADJUSTED)), round(MEAN / TIME_STEP)
+        rate, mean = ADJUSTED * how.haste, round(MEAN / TIME_STEP)
+        period = min(200.0, pressure / (3.0 * MODULUS * rate))
         return [
             f"fix press all press/berendsen iso {pressure!r} {pressure!r} {period!r} modulus {MODULUS}",
             f"fix mean all ave/time 10 {mean // 10} {mean} v_pressure",
@@ -129,9 +147,9 @@ def script(mu: float, how: Preparation) -> str:
         f"timestep {TIME_STEP!r}\nvariable pressure equal press",
         *shrunk(how.rate, 0.35),
         f"run {steps}",
-        *shrunk(ONSET, 0.1),
+        *shrunk(ONSET * how.haste, 0.1),
     ]
-    for k, level in enumerate(LEVELS):
+    for k, level in enumerate(how.levels):
         if k < how.first:
             continue
         lines += adjusted(1.0 / level)
@@ -159,9 +177,13 @@ def pressed(mu: float, preparation: str, replica: int) -> dict[str, list[float]]
         (folder / "in.pressed").write_text(script(mu, how))
         command = [lammps.path, "-in", "in.pressed", "-log", "none"]
         subprocess.run(command, cwd=folder, env=lammps.environment(), capture_output=True, check=True)
-        values = [at_level(folder / f"{k}.dump") for k in range(how.first, len(LEVELS))]
-    unknown = [math.nan] * how.first
-    return {name: unknown + [value[name] for value in values] for name in KEPT}
+        values = {
+            level: at_level(folder / f"{k}.dump") for k, level in enumerate(how.levels) if k >= how.first
+        }
+    return {
+        name: [values[level][name] if level in values else math.nan for level in LEVELS + SOFT]
+        for name in KEPT
+    }
 
 
 def at_level(path: Path) -> dict[str, float]:
@@ -171,7 +193,7 @@ def at_level(path: Path) -> dict[str, float]:
     rows, edges = np.loadtxt(lines[9:]), ends[:, 1] - ends[:, 0]
     radius, mass = rows[:, 3], DENSITY * 4.0 / 3.0 * math.pi * rows[:, 3] ** 3
     at = np.mod(rows[:, :3] - ends[:, 0], edges)
-    system = hl.ParticleSystem(at, 0.0 * at, radius, mass=mass, box=edges, allowed_overlap=0.1)
+    system = hl.ParticleSystem(at, 0.0 * at, radius, mass=mass, box=edges, allowed_overlap=0.2)
     of = stability._contacts(system, 0.0)
     ends_of = radius[of.first], radius[of.second]
     volume, counts = float(np.prod(edges)), of.counts(N)
@@ -197,8 +219,11 @@ def points(_: int) -> Iterator[Point]:
     for mu in FRICTIONS:
         yield mu, "loose", None
     for preparation in PREPARATIONS:
-        if preparation != "loose":
+        if preparation not in ("loose", "soft"):
             yield 0.5, preparation, None
+    for mu in FRICTIONS:
+        if mu in at_rest.PRESSED:
+            yield mu, "soft", None
 
 
 def run(point: Point, replica: int) -> dict[str, list[float]]:
@@ -207,7 +232,7 @@ def run(point: Point, replica: int) -> dict[str, list[float]]:
 
 
 def axes() -> Mapping[str, Any]:
-    return {"friction": list(FRICTIONS), "preparation": list(PREPARATIONS), "level": list(LEVELS)}
+    return {"friction": list(FRICTIONS), "preparation": list(PREPARATIONS), "level": list(LEVELS + SOFT)}
 
 
 def gather(runs: list[driver.Run]) -> xr.Dataset:
@@ -235,6 +260,8 @@ def expected(mu: float, spread: float, kappa: float) -> float:
 def tables(ds: xr.Dataset) -> str:
     rows = []
     for mu, preparation, _ in points(0):
+        if preparation == "soft":
+            continue
         here = ds.sel(friction=mu, preparation=preparation)
         spread = PREPARATIONS[preparation].spread
         values = [shown(carrying(here).sel(level=level), 2) for level in LEVELS[::-1]]
@@ -246,7 +273,20 @@ def tables(ds: xr.Dataset) -> str:
              shown(at.rattlers, 1, 100.0), *values, f"{min(known):.2f} to {max(known):.2f}")
         )  # fmt: skip
     levels = " | ".join(f"φz at {level:.3g}" for level in LEVELS[::-1])
-    return driver.table(f"μ | preparation | φ | z | rattlers [%] | {levels} | over the formula", rows)
+    hard = driver.table(f"μ | preparation | φ | z | rattlers [%] | {levels} | over the formula", rows)
+    return f"{hard}\n\n{of_soft(ds)}"
+
+
+def of_soft(ds: xr.Dataset) -> str:
+    rows = []
+    for mu, level in ((mu, level) for mu in at_rest.PRESSED for level in SOFT):
+        at = ds.sel(friction=mu, preparation="soft", level=level)
+        over = float(carrying(at).mean()) / expected(mu, 0.0, level)
+        rows.append(
+            (mu, f"{level:.3g}", shown(at.packing_fraction, 3), shown(at.coordination, 2),
+             shown(carrying(at), 2), f"{over:.2f}", shown(at.overlap, 1, 100.0), shown(at.deepest, 0, 100.0))
+        )  # fmt: skip
+    return driver.table("μ | κ_p | φ | z | φz | over the formula | δ/R [%] | deepest [%]", rows)
 
 
 def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
@@ -255,11 +295,13 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
         figure = Figure(figsize=(PAGE_WIDTH, 2.9), layout="constrained")
         by_friction, by_preparation = figure.subplots(1, 2, sharey=True)
         colors = list(PALETTE.values())
-        kappa = np.geomspace(7e2, 1.4e5, 60)
+        kappa = np.geomspace(14.0, 1.4e5, 100)
         for color, mu in zip(colors, FRICTIONS, strict=False):
             points_of(by_friction, ds.sel(friction=mu, preparation="loose"), color, f"μ = {mu:g}")
+            if mu in at_rest.PRESSED:
+                points_of(by_friction, ds.sel(friction=mu, preparation="soft"), color, None, "s")
             by_friction.plot(kappa, [expected(mu, 0.0, k) for k in kappa], color=color, lw=0.8, zorder=0)
-        markers = "osv^D<>*P"
+        markers = "osv^D<>*PX"
         for k, name in enumerate(PREPARATIONS):
             points_of(
                 by_preparation,
@@ -276,14 +318,14 @@ def draw(ds: xr.Dataset) -> Mapping[str, Figure]:
         for ax in (by_friction, by_preparation):
             ax.set(xscale="log", xlabel=r"$\kappa_p$")
             ax.legend(fontsize="x-small", ncols=2)
-        by_friction.set(ylabel=r"$\phi z$", ylim=(1.8, 5.2))
+        by_friction.set(ylabel=r"$\phi z$", ylim=(1.8, 7.0))
     return {"pressed_cells.png": figure}
 
 
-def points_of(ax: Any, here: xr.Dataset, color: str, name: str, marker: str = "o") -> None:
+def points_of(ax: Any, here: xr.Dataset, color: str, name: str | None, marker: str = "o") -> None:
     """The means with their errors."""
     rows = []
-    for level in LEVELS:
+    for level in LEVELS + SOFT:
         values = carrying(here).sel(level=level)
         if values.notnull().any():
             error = driver.mean(values)[1]

@@ -41,11 +41,12 @@ def number(law, ball=BEAD, **options):
 def test_a_bed_of_linear_springs():
     """p = φ ρ g h; κ_p = k/(p d); δ/R = 2π/(φ z κ_p), times the share of the horizontal stresses."""
     bed = number(LINEAR, height=0.1)
-    packing = at_rest.PACKINGS[3, False]
+    packing = at_rest.settled(0.0)
     pressure = packing.packing_fraction * 2500.0 * 9.81 * 0.1
     assert bed.name == "rest" and bed.pressure == pytest.approx(pressure)
     assert bed.stiffness_number == pytest.approx(1e4 / (pressure * 2e-3))
-    carrying = packing.rigid * (1.0 + packing.softer / math.sqrt(bed.stiffness_number))
+    mean = bed.stiffness_number / packing.stress_share
+    carrying = packing.rigid * (1.0 + packing.softer / math.sqrt(mean))
     overlap = 2.0 * math.pi / (carrying * bed.stiffness_number)
     assert bed.overlap == pytest.approx(packing.stress_share * overlap)
     assert bed.stiffness_for_rigid == pytest.approx(1e4 * 1e4 / bed.stiffness_number)
@@ -132,7 +133,7 @@ def test_disks_carry_forces_per_length():
     """p = φ m/(π R²) g h in N/m, κ_p = k/p, δ/R = 2π/(φ z κ_p) times the share."""
     disk = hl.Ball(1e-3, mass=1e-5)
     verdict = hl.check(disk, law=LINEAR, height=0.1, dimension=2)
-    bed, packing = verdict.state, at_rest.PACKINGS[2, False]
+    bed, packing = verdict.state, at_rest.settled(0.0, 2)
     pressure = packing.packing_fraction * 1e-5 / (math.pi * 1e-6) * 9.81 * 0.1
     assert bed.pressure == pytest.approx(pressure) and " N/m (below 10 cm" in verdict.sentence
     assert bed.stiffness_number == pytest.approx(1e4 / pressure)
@@ -194,7 +195,7 @@ def test_the_pressure_up_to_which_grains_are_rigid(contact):
     assert unknown.layers_height == pytest.approx(100 * 1.4e-3)
     assert unknown.layers_stiffness_number == pytest.approx(layers.stiffness_number)
     assert unknown.layers_overlap == pytest.approx(layers.overlap)
-    assert unknown.largest_stable_step == pytest.approx(layers.largest_stable_step)
+    assert unknown.largest_stable_step == pytest.approx(layers.largest_stable_step, rel=0.01)  # as hard ones
     assert unknown.step_is_supposed is contact.startswith("hertz")
     assert "100 layers" in hl.check(bed, **size).sentence
 
@@ -242,13 +243,80 @@ MEASURED = {
 @pytest.mark.parametrize(("law", "name"), MEASURED)
 def test_the_mean_overlap_is_the_measured_one(law, name):
     """Within 2 %, compressed ones within 5 %, over three decades; soft packings have more contacts."""
-    packing = at_rest.pressed(0.5) if name == "pressed" else at_rest.PACKINGS[3, law is RUBBING]
+    packing = at_rest.pressed(0.5) if name == "pressed" else at_rest.settled(0.5 * (law is RUBBING))
     contacts = cases.of_law([BEAD], law, False, None)
     for kappa, measured in MEASURED[law, name].items():
         pressure = 1e4 / (2e-3 * kappa)
         load = at_rest.Load(name, pressure=pressure, packing=packing)
         bed = at_rest.grain_state(contacts, load, None, 3)
         assert bed.overlap * kappa == pytest.approx(measured, rel=0.05 if name == "pressed" else 0.02)
+
+
+BEDS = xr.load_dataset(STUDIES / "packings.nc")
+BEDS = BEDS[[name for name in BEDS.data_vars if name.startswith("settled")]].sel(law="linear", drop=True)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.2, 0.3, 0.5, 1.0])
+def test_beds_of_each_friction_are_those_measured(mu):
+    """Overlap within 3 %, φ and coordination, the stress, and the largest step; at μ = 0.2 by interpolation."""
+    assert (mu in at_rest.SETTLED) is (mu != 0.2)
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.5, friction=hl.Friction(mu) if mu else None)
+    means = BEDS.sel(friction=mu).mean("replica").dropna("kappa", subset=["settled_pressure"])
+    shares = means.settled_pressure / means.settled_vertical
+    assert float(shares.mean()) == pytest.approx(at_rest.settled(mu).stress_share, abs=0.045)
+    assert means.sizes["kappa"] == (1 if mu == 0.2 else 7 if mu == 0.5 else 2 if mu == 0.0 else 3)
+    for kappa in means.kappa.values:
+        here = means.sel(kappa=kappa)
+        stiffness = float(kappa) * 524 / (2.0 * 6.5**2) / float(here.settled_pressure)
+        packing = at_rest.settled(mu)._replace(stress_share=1.0)
+        load = at_rest.Load("rest", pressure=1e4 / (2e-3 * stiffness), packing=packing)
+        bed = at_rest.grain_state(cases.of_law([BEAD], law, False, None), load, None, 3)
+        assert bed.overlap == pytest.approx(float(here.settled_overlap), rel=0.03)
+        assert bed.packing_fraction == pytest.approx(float(here.settled_packing_fraction), rel=0.03)
+        assert bed.coordination == pytest.approx(float(here.settled_coordination), rel=0.06)
+        contact = math.pi * math.sqrt(BEAD.mass / 2e4)
+        if mu:
+            assert bed.largest_stable_step / contact == pytest.approx(float(here.settled_step), rel=0.05)
+
+
+PISTONS = xr.load_dataset(STUDIES / "pistons.nc")
+
+
+@pytest.mark.parametrize("way", PISTONS.way.values)
+def test_one_pressed_axis_is_that_of_the_measured_pistons(way):
+    """The mean stress within the said error, and the contacts that carry down to κ_p = 24, at each friction."""
+    here = PISTONS.sel(way=way).mean("replica").dropna("friction", how="all", subset=["pressure"])
+    power = 2.0 / 3.0 if way == "Hertz" else 1.0
+    assert list(here.friction.values) == ([0.1, 0.3, 0.5, 1.0] if way == "as it is" else [0.5])
+    for mu, level in itertools.product(here.friction.values, here.level.values):
+        at = here.sel(friction=mu, level=level)
+        share = at_rest.under_piston(float(mu), float(level))
+        assert float(at.pressure / at.axial) == pytest.approx(share, rel=at_rest.UNIAXIAL_ERROR)
+        kappa = float(at.pressure) ** -power
+        over = float(at.packing_fraction * at.coordination) / at_rest.pressed(float(mu)).carrying(kappa, 3)
+        least = at_rest.LEAST_OF_SOFTER if level < 1e3 or way != "as it is" else at_rest.PREPARED[0]
+        assert least - 0.01 < over < at_rest.PREPARED[1]
+
+
+def test_a_piston_adds_its_error_to_the_range_and_soft_grains_say_where_measurement_ends():
+    """A stress along one axis; κ_p below 17 counts as 17, above it φ and z grow with softness."""
+    packing, contacts = at_rest.pressed(0.5), cases.of_law([BEAD], RUBBING, False, None)
+    states = {}
+    for kappa, uniaxial in itertools.product((10.0, 30.0, 1e3, 1e5), (False, True)):
+        load = at_rest.Load(
+            "pressed", pressure=1e4 / (2e-3 * kappa), packing=packing, uniaxial=uniaxial, friction=0.5
+        )
+        states[kappa, uniaxial] = state = at_rest.grain_state(contacts, load, None, 3)
+        widths = [bound / state.overlap for bound in state.overlap_range]
+        least = at_rest.PREPARED[0] if kappa >= 1e3 else at_rest.LEAST_OF_SOFTER
+        error = at_rest.UNIAXIAL_ERROR * uniaxial
+        assert widths == pytest.approx([(1.0 - error) / at_rest.PREPARED[1], (1.0 + error) / least])
+        assert state.measured_from == (17.0 if kappa == 10.0 else None)
+    for kappa in (30.0, 1e3, 1e5):
+        assert states[kappa, True].overlap < 0.85 * states[kappa, False].overlap
+    z = [states[kappa, False].coordination for kappa in (10.0, 30.0, 1e3, 1e5)]
+    phi = [states[kappa, False].packing_fraction for kappa in (10.0, 30.0, 1e3, 1e5)]
+    assert z == sorted(z, reverse=True) and z[3] == packing.coordination and phi == sorted(phi, reverse=True)
 
 
 CELLS = xr.load_dataset(STUDIES / "pressed_cells.nc")
@@ -270,14 +338,14 @@ def test_pressed_cells_carry_as_said():
         elif not math.isnan(here):
             tried += 1
             assert at_rest.PREPARED[0] < over < at_rest.PREPARED[1]
-            assert name != "loose" or abs(over - 1.0) < 0.06
-    assert tried == 60
+            assert name not in ("loose", "soft") or abs(over - 1.0) < 0.07
+    assert tried == 85
 
 
 def test_pressed_cells_of_unequal_grains_overlap_as_said():
     """The mean over the smaller radius, within 6 %, and in the range."""
     kinds = mixture.uniform("1", (0.8e-3, 1.2e-3))
-    for kappa in CELLS.level.values:
+    for kappa in CELLS.level.values[:5]:
         pressure = 1e4 / (2e-3 * float(kappa))
         load = at_rest.Load("pressed", pressure=pressure, packing=at_rest.pressed(0.5), kinds=kinds)
         said = at_rest.grain_state(cases.of_law([BEAD], RUBBING, False, None), load, None, 3)
@@ -305,11 +373,38 @@ def test_a_bed_under_gravity_is_settled_whatever_gives_its_pressure():
     bed = STATES / "lammps_settled_bed"
     for options in ({"pressure": 50.0}, {"height": 0.01}):
         said = state(bed, speed=0.1, **options)
-        assert said.overlap_range is None and said.coordination == at_rest.PACKINGS[3, True].coordination
+        assert said.overlap_range is None
+        assert said.coordination == at_rest.settled(0.5, poured=True).coordination > 5.0
     text = bed.read_text(encoding="utf-8").replace(
         "\nrun ", "\nfix squeeze all press/berendsen iso 1 50 1\nrun "
     )
     assert state(text, speed=0.1).overlap_range is not None
+
+
+def test_poured_grains_are_denser_than_those_inserted_at_once():
+    """Of equal grains, in a script with and without its dump; with little friction not beyond smooth ones."""
+    poured, once = at_rest.settled(0.5, poured=True), at_rest.settled(0.5)
+    for name, packing in (("lammps_settled_bed", poured), ("liggghts_settled_bed", once)):
+        text = (STATES / name).read_text(encoding="utf-8")
+        said = state(text, height=0.1)
+        softened = packing.softened(said.stiffness_number)
+        assert said.coordination == pytest.approx(softened.coordination, rel=0.02)
+        assert said.packing_fraction == pytest.approx(softened.packing_fraction, rel=0.01)
+        dumped = state(STATES / name, dump=STATES / f"{name}.dump.gz", speed=0.1)
+        alone = state(text, speed=0.1)
+        assert alone.overlap == pytest.approx(dumped.overlap, rel=0.01)
+    often = (
+        (STATES / "liggghts_settled_bed")
+        .read_text(encoding="utf-8")
+        .replace("insert_every once", "insert_every 100")
+    )
+    assert state(often, height=0.1).packing_fraction > 1.03 * said.packing_fraction
+    for mu in (0.0, 0.05, 0.1, 0.3, 1.0, 3.0):
+        bed, higher, smooth = at_rest.settled(mu), at_rest.settled(mu, poured=True), at_rest.settled(0.0)
+        for values in zip(bed[:4], higher[:4], smooth[:4], strict=True):
+            assert list(values) == sorted(values)
+    assert at_rest.settled(0.0, poured=True) == at_rest.settled(0.0)
+    assert at_rest.settled(0.5, 2, poured=True) == at_rest.settled(0.5, 2)
 
 
 # --- grains of unequal sizes ------------------------------------------------------------------------------------
@@ -317,7 +412,7 @@ def test_a_bed_under_gravity_is_settled_whatever_gives_its_pressure():
 
 def mixture_of(kinds, law=RUBBING, pressure=300.0):
     """The state of spheres of these kinds, all of the type "1", under a pressure."""
-    load = at_rest.Load("rest", pressure=pressure, packing=at_rest.PACKINGS[3, True], kinds=tuple(kinds))
+    load = at_rest.Load("rest", pressure=pressure, packing=at_rest.settled(0.5), kinds=tuple(kinds))
     return at_rest.grain_state(cases.of_law([BEAD], law, False, None), load, None, 3)
 
 
@@ -352,7 +447,7 @@ def test_unequal_grains_have_steps_between_those_of_their_kinds():
     both = mixture_of([mixture.Kind("1", 1e-3, 0.5), mixture.Kind("1", 2e-3, 0.5)])
     large = at_rest.grain_state(
         cases.of_law([hl.Ball(2e-3, density=2500.0)], RUBBING, False, None),
-        at_rest.Load("rest", pressure=300.0, packing=at_rest.PACKINGS[3, True]), None, 3,
+        at_rest.Load("rest", pressure=300.0, packing=at_rest.settled(0.5)), None, 3,
     )  # fmt: skip
     assert small.largest_stable_step < both.largest_stable_step < large.largest_stable_step
     assert 1.04 < both.largest_stable_step / small.largest_stable_step < 1.16  # measured: 1.16 to 1.19
@@ -515,7 +610,7 @@ def test_a_dump_has_the_weight(tmp_path):
     )
     bed = state(script(CLIPPED, FALL, WALL), dump=path)
     assert bed.pressure == pytest.approx(16 * BEAD.mass * 9.81 / 16e-6, rel=1e-3)
-    assert bed.coordination == at_rest.PACKINGS[3, False].coordination and not bed.pressure_is_bound
+    assert bed.coordination == at_rest.settled(0.0).coordination and not bed.pressure_is_bound
     wide = tmp_path / "dump.two"
     wide.write_text(path.read_text().replace(" 1 ", " 2 ", 1))  # the first grain is of the floor
     frozen = script(CLIPPED, FALL, WALL, "group floor type 2\nfix hold floor freeze").replace(
@@ -867,8 +962,8 @@ def test_the_overlap_in_a_settled_bed():
     # From the weight above alone; the share of the horizontal stresses scatters in so small a bed.
     above = (at[:, 2] > high).sum() + 0.5 * between.sum()
     weight = above * BEAD.mass * 9.81 / float(np.prod(edges))
-    share = at_rest.PACKINGS[3, True].stress_share
-    carrying = at_rest.PACKINGS[3, True].carrying(2e3 / (weight * 2e-3), 3)
+    share = at_rest.settled(0.5).stress_share
+    carrying = at_rest.settled(0.5).carrying(2e3 / (weight * share * 2e-3), 3)
     assert at_rest.mean_force(share * weight, 2e-3, carrying, 3) == pytest.approx(force.mean(), rel=0.2)
 
 

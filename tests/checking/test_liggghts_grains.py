@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
+from hardlimit.checking import at_rest
 from hardlimit.checking.scripts import clumps, meshes, read
 
 HEAD = """units si
@@ -662,11 +663,13 @@ def test_a_servo_along_one_axis_has_less_stress_across():
     text += "fix w all wall/gran model hertz tangential history mesh n_meshes 1 meshes lid\n" + MOVE
     alone, isotropic = hl.check(text).state, hl.check(TRIAXIAL.replace("2e4", "25500")).state
     assert alone.pressure == pytest.approx(isotropic.pressure)
+    share = at_rest.under_piston(0.3, alone.stiffness_number)
     same = hl.check(
-        TRIAXIAL.replace("2e4", "25500").replace("peratomtypepair 1 0.5", "peratomtypepair 1 0.3")
+        TRIAXIAL.replace("2e4", f"{share * 25500}").replace("peratomtypepair 1 0.5", "peratomtypepair 1 0.3")
     ).state
-    assert alone.overlap / same.overlap == pytest.approx(0.69 ** (2.0 / 3.0), rel=1e-3)
-    assert alone.overlap_range[0] / 1.08 < 0.0604 < alone.overlap_range[1]
+    assert share == pytest.approx((1.0 + 2.0 * 0.53) / 3.0, rel=at_rest.UNIAXIAL_ERROR)
+    assert alone.overlap == pytest.approx(same.overlap, rel=1e-3)
+    assert alone.overlap_range[0] < 0.0604 < alone.overlap_range[1]
 
 
 def test_rolling_friction_of_several_pairs_is_one_warning():

@@ -178,7 +178,10 @@ def test_the_layer_of_a_drum_is_found(study) -> None:
 
 @pytest.mark.parametrize(
     ("name", "power", "used"),
-    [("packing_fraction", 1.0, at_rest.DENSER), ("coordination", 0.5, at_rest.MORE_CONTACTS)],
+    [
+        ("packing_fraction", 1.0, at_rest.EXCESS["settled", True][0]),
+        ("coordination", 0.5, at_rest.EXCESS["settled", True][1]),
+    ],
 )
 def test_check_has_the_softness_of_the_measured_beds(study, name: str, power: float, used: float) -> None:
     script = study("packings")
@@ -195,7 +198,7 @@ def test_check_has_the_overlaps_and_steps_of_the_measured_mixtures(study) -> Non
         for name in names:
             for _, overlap, steps in script.compared(ds, name, kind):
                 assert overlap == pytest.approx(1.0, abs=0.16 if name == "1:3, 20 % large" else 0.061)
-                assert all((0.96 if name == "equal" else 1.0) <= step < 1.13 for step in steps)
+                assert all((0.96 if name == "equal" else 1.0) <= step < 1.135 for step in steps)
 
 
 @pytest.mark.slow
@@ -219,12 +222,26 @@ def test_a_cell_is_pressed_to_the_pressures_of_its_levels(study, monkeypatch) ->
     script = study("pressed_cells")
     monkeypatch.setattr(script, "N", 60)
     monkeypatch.setattr(script, "LEVELS", (1e3, 1e2))
+    monkeypatch.setattr(script, "SOFT", ())
     monkeypatch.setattr(script, "PREPARATIONS", {"tried": script.Preparation(0.5, 1e-3, spread=0.1)})
     values = {name: np.array(value) for name, value in script.pressed(0.5, "tried", 0).items()}
     assert values["pressure"] * [1e3, 1e2] == pytest.approx(1.0, abs=0.02)
     carrying = values["packing_fraction"] * values["coordination"]
     assert values["overlap"] == pytest.approx(2.0 * np.pi * values["pressure"] / carrying, rel=0.06)
     assert (values["energy"] < script.QUIET).all() and carrying[1] > 1.1 * carrying[0]
+
+
+def test_a_piston_presses_to_the_stresses_of_its_levels(study, monkeypatch) -> None:
+    """Few grains, fast and soft; the mean overlap is that of the mean force, and stresses across are smaller."""
+    script = study("pistons")
+    monkeypatch.setattr(script, "LEVELS", (100.0, 10**1.5))
+    monkeypatch.setattr(script, "STRAIN", 0.25)
+    monkeypatch.setitem(script.WAYS, "tried", script.Way(rate=1e-3, side=4.5))
+    values = {name: np.array(value) for name, value in script.pressed(0.5, "tried", 0).items()}
+    assert values["axial"] * [100.0, 10**1.5] == pytest.approx(1.0, rel=0.03)
+    carrying = values["packing_fraction"] * values["coordination"]
+    assert values["overlap"] == pytest.approx(2.0 * np.pi * values["pressure"] / carrying, rel=0.1)
+    assert ((values["pressure"] / values["axial"] > 0.5) & (values["pressure"] < 0.9 * values["axial"])).all()
 
 
 @pytest.mark.slow
@@ -237,6 +254,7 @@ def test_a_cell_is_pressed_to_the_pressures_of_its_levels(study, monkeypatch) ->
         "shaken_column",
         "packings",
         "pressed_cells",
+        "pistons",
         "mixtures",
         "dense_flow",
         "lasting_contacts",

@@ -51,9 +51,17 @@ HERTZ: Final = 6
 #: Mean overlap of Hertz' contacts over that under the mean force: 0.91 to 0.94 in beds of κ_p from 1e2 to 1e4
 #: (docs/hard_enough.md), since forces are unequal.
 HERTZ_SPREAD: Final = 0.92
-#: Packing fraction and coordination of settled spheres with friction over those of rigid ones, less one: the first
-#: times κ_p, the second times √κ_p, from κ_p = 100 on.
-DENSER, MORE_CONTACTS, SOFTEST = 5.6, 2.7, 100.0
+#: κ_p down to which settled and pressed packings were measured; softer ones count as these. Grains that fall overlap by
+#: more than any law describes from about 50 on, pressed ones at 18 by 8 % of R on average and 20 % at most.
+SETTLED_FROM, PRESSED_FROM = 100.0, 17.0
+#: Packing fraction and coordination of spheres over those of rigid ones, less one: the first times κ_p, the second
+#: times √κ_p, with and without friction.
+EXCESS: Final = {
+    ("settled", True): (5.6, 2.7),
+    ("settled", False): (4.6, 1.9),
+    ("pressed", True): (3.4, 3.0),
+    ("pressed", False): (3.5, 1.9),
+}
 #: Share of the longest stable step that is safe: frequencies of beds differ by 5 %, and contacts form later.
 SAFE_SHARE: Final = 0.5
 #: Layers of grains below which numbers are given if neither pressure nor height is known; fewer for few grains, which
@@ -78,46 +86,76 @@ class Packing(NamedTuple):
     softer: float = (
         3.1  #: (φ z of spheres over that of rigid ones − 1) √κ_p; settled: with friction and without
     )
+    soft: float | None = None  #: the same slope over 1/√κ_p below κ_p = 10³, if it is another one
     wider: float = mixture.WIDER  #: increase of φ z over the width of the sizes ...
     widest: float = math.inf  #: ... up to this width
     prepared: tuple[float, float] | None = None  #: least and largest φ z over this one, by preparation
+    uncertain: float = 0.0  #: relative error of ``stress_share``
+    softest: float = SETTLED_FROM  #: least κ_p at which it was measured
+    #: Increase of φ times κ_p, and of the coordination times √κ_p, over those of rigid spheres with friction.
+    excess: tuple[float, float] = EXCESS["settled", True]
+    counted: bool = False  #: whether the coordination is that of a dump
 
     def carrying(self, kappa: float, dimension: int, width: float = 0.0) -> float:
         """φ z of the grains that carry the pressure, at a stiffness number and a width of the sizes."""
         if self.rigid is None:
             return self.packing_fraction * self.coordination
-        softer = self.softer / math.sqrt(max(kappa, SOFTEST)) if dimension == 3 else 0.0
-        return self.rigid * (1.0 + softer) * (1.0 + self.wider * min(width, self.widest))
+        softness, hard = 1.0 / math.sqrt(max(kappa, self.softest)), 1.0 / math.sqrt(SOFTER)
+        slope = self.softer if self.soft is None else self.soft
+        softer = self.softer * min(softness, hard) + slope * max(softness - hard, 0.0)
+        wider = self.wider * min(width, self.widest)
+        return self.rigid * (1.0 + softer * (dimension == 3)) * (1.0 + wider)
+
+    def softened(self, kappa: float) -> Packing:
+        """With the packing fraction and the coordination of spheres at this stiffness number; they are hard here."""
+        if self.counted:
+            return self
+        (denser, more), soft = self.excess, max(kappa, self.softest)
+        fraction = self.packing_fraction * (1.0 + denser / soft)
+        more_contacts = max((1.0 + more / math.sqrt(soft)) / (1.0 + more / math.sqrt(RIGID)), 1.0)
+        return self._replace(packing_fraction=fraction, coordination=self.coordination * more_contacts)
 
 
-#: Settled beds with and without friction by dimension. Spheres: beds of 524 to 900 by our own steps and in LAMMPS
-#: (linear springs at κ_p from 1e3 on, k_t = k and 2/7 k, μ = 0.5 and 0; Hertz and Mindlin) have φ z = 2.65 to 2.95 and
-#: 3.8 ± 0.1, shares of 0.77 to 0.89 and 0.92 to 1. Disks: isostatic or a little more (z = 4 without friction, 3 to 4
-#: with it), the shares are those of spheres.
-PACKINGS: Final = {
-    (3, True): Packing(0.59, 4.7, 0.80, 2.66),
-    (3, False): Packing(0.63, 6.0, 0.96, 3.76),
-    (2, True): Packing(0.80, 3.5, 0.80, 2.80),
-    (2, False): Packing(0.83, 4.0, 0.96, 3.32),
+#: Settled spheres by friction: φ, z, mean of the normal stresses over that along gravity, φ z of rigid ones, and how
+#: φ z grows with softness; frictions above 1 have the numbers of the last one (studies/packings.nc, κ_p from 1e2 on).
+SETTLED: Final = {
+    0.0: (0.63, 6.0, 0.96, 3.76, 3.1),
+    0.1: (0.61, 5.5, 0.90, 3.20, 3.1),
+    0.3: (0.59, 5.0, 0.80, 2.83, 3.1),
+    0.5: (0.59, 4.7, 0.80, 2.66, 3.1),
+    1.0: (0.59, 4.6, 0.79, 2.60, 3.1),
 }
+#: φ, z, share of the stresses and φ z of equal spheres that were poured over those of grains that fell little, at most
+#: those without friction: μ = 0.5, heights of 12 to 35 diameters, ε from 0.5 to 0.93 (docs/hard_enough.md).
+POURED: Final = (1.05, 1.085, 1.13, 1.16)
+#: Settled disks with and without friction: isostatic or a little more, with the shares of spheres.
+DISKS: Final = {True: Packing(0.80, 3.5, 0.80, 2.80), False: Packing(0.83, 4.0, 0.96, 3.32)}
 #: Spheres that are pressed together without gravity, by friction: φ, z, φ z of rigid ones, and how φ z grows with
-#: softness; frictions above 1 have the numbers of the last one (studies/pressed_cells.nc, κ_p from 1e3 to 1e5). With
-#: much friction a tenth of them carry nothing.
+#: softness down to κ_p = 10³ and below it; frictions above 1 have the numbers of the last one
+#: (studies/pressed_cells.nc, κ_p from 18 to 1e5). With much friction a tenth of the hard ones carry nothing.
 PRESSED: Final = {
-    0.0: (0.63, 6.0, 3.66, 3.1),
-    0.1: (0.61, 5.2, 3.05, 3.5),
-    0.3: (0.59, 4.7, 2.48, 5.0),
-    0.5: (0.59, 4.5, 2.16, 6.0),
-    1.0: (0.58, 4.4, 2.02, 7.5),
+    0.0: (0.63, 6.0, 3.66, 3.1, 3.1),
+    0.1: (0.61, 5.2, 3.05, 3.5, 3.3),
+    0.3: (0.59, 4.7, 2.48, 5.0, 3.8),
+    0.5: (0.59, 4.5, 2.16, 6.0, 4.9),
+    1.0: (0.58, 4.4, 2.02, 7.5, 5.1),
 }
 #: Least and largest φ z over these, by the first packing fraction, rate, damping and tangential springs.
 PREPARED: Final = (0.92, 1.09)
-#: Mean of the normal stresses over that of a piston, without friction and with it: stresses across are about half as
-#: large, 1 − sin of an angle of repose of 27° to 30° (J. Jáky, 1944); 0.69 below a servo wall of LIGGGHTS.
-UNIAXIAL: Final = {True: 0.69, False: 0.96}
-#: Least one of softer grains, below this κ_p, which were not measured: cells and triaxial boxes that YADE compresses at
-#: κ_p from 50 to 500 have 0.83 to 1.
-SOFTER, LEAST_OF_SOFTER = 1e3, 0.83
+#: Mean of the normal stresses over that of a piston, by friction: at a stiffness number of 10³ and more under it,
+#: and its decrease in a decade below (studies/pistons.nc). Without friction it is that of settled beds.
+UNIAXIAL: Final = {
+    0.0: (0.96, 0.0),
+    0.1: (0.84, 0.045),
+    0.3: (0.80, 0.095),
+    0.5: (0.775, 0.1),
+    1.0: (0.765, 0.11),
+}
+#: Its relative error, by rate, size and law, and the least stiffness number at which it was measured.
+UNIAXIAL_ERROR, UNIAXIAL_TO = 0.1, 17.0
+#: Least one of softer grains, below this κ_p: cells and triaxial boxes that YADE compresses at κ_p from 50 to 500 have
+#: 0.85 to 1.
+SOFTER, LEAST_OF_SOFTER = 1e3, 0.85
 #: Decrease of φ z over the standard deviation of the radii in units of their mean, and the largest that was measured:
 #: small grains between large ones carry nothing.
 NARROWER, MEASURED_WIDTH = 0.5, 0.2 / math.sqrt(3.0)
@@ -133,9 +171,21 @@ SPREAD: Final = 1.3
 DRAGGED, MIXED = 0.5, 10.0
 
 
+def settled(friction: float, dimension: int = 3, poured: bool = False) -> Packing:
+    """Grains with this coefficient of friction that have come to rest under gravity; ``poured``: from a height."""
+    if dimension == 2:
+        return DISKS[friction > 0.0]
+    values = [np.interp(friction, list(SETTLED), column) for column in zip(*SETTLED.values(), strict=True)]
+    if poured:
+        raised = np.minimum(np.multiply(values[:4], POURED), SETTLED[0.0][:4])
+        values[:4] = np.maximum(values[:4], raised)
+    fraction, contacts, share, rigid, softer = map(float, values)
+    return Packing(fraction, contacts, share, rigid, softer, excess=EXCESS["settled", friction > 0.0])
+
+
 def pressed(friction: float) -> Packing:
     """Spheres with this coefficient of friction that are pressed together without gravity."""
-    fraction, contacts, rigid, softer = (
+    fraction, contacts, rigid, softer, soft = (
         float(np.interp(friction, list(PRESSED), column)) for column in zip(*PRESSED.values(), strict=True)
     )
     return Packing(
@@ -143,6 +193,9 @@ def pressed(friction: float) -> Packing:
         contacts,
         rigid=rigid,
         softer=softer,
+        soft=soft,
+        softest=PRESSED_FROM,
+        excess=EXCESS["pressed", friction > 0.0],
         wider=-NARROWER,
         widest=MEASURED_WIDTH,
         prepared=PREPARED if friction > 0.0 else None,
@@ -158,6 +211,14 @@ def most_layers(count: float | None, dimension: int) -> int:
         return LAYERS
     layers = float((SLENDER ** (dimension - 1) * count) ** (1.0 / dimension))
     return max(1, math.ceil(min(LAYERS, layers)))
+
+
+def under_piston(friction: float, kappa: float) -> float:
+    """Mean of the normal stresses over that of a piston, at the stiffness number under the latter."""
+    share, decrease = (
+        float(np.interp(friction, list(UNIAXIAL), column)) for column in zip(*UNIAXIAL.values(), strict=True)
+    )
+    return share - decrease * math.log10(SOFTER / min(max(kappa, UNIAXIAL_TO), SOFTER))
 
 
 def mean_force(pressure: float, diameter: float, carrying: float, dimension: int) -> float:
@@ -336,8 +397,8 @@ class Loaded:
         """Mean overlap; None if it is not known."""
         if self.pressure is None:
             return None
-        carrying = self.packing.carrying(self.stiffness_number or 0.0, self.dimension)
         stress = self.pressure * self.packing.stress_share
+        carrying = self.packing.carrying(self.mean_stiffness_number or 0.0, self.dimension)
         return compression(self.force, mean_force(stress, sum(self.radii), carrying, self.dimension))
 
     @property
@@ -346,6 +407,14 @@ class Loaded:
         if self.pressure is None:
             return None
         return stiffness_number(self.force, self.pressure, *self.radii, self.dimension)
+
+    @property
+    def mean_stiffness_number(self) -> float | None:
+        """κ_p under the mean of the normal stresses."""
+        if self.pressure is None:
+            return None
+        stress = self.pressure * self.packing.stress_share
+        return stiffness_number(self.force, stress, *self.radii, self.dimension)
 
     @property
     def springs(self) -> Springs | None:
@@ -386,13 +455,23 @@ def loaded(cases: Sequence[Case], pressure: float | None, packing: Packing, dime
     return contacts
 
 
+def softened(contacts: Sequence[Loaded]) -> list[Loaded]:
+    """The contacts in a packing of spheres as soft as they are; as they are without pressure, and of disks."""
+    kappas = [contact.mean_stiffness_number for contact in contacts if contact.case.second is not None]
+    known = [kappa for kappa in kappas if kappa is not None]
+    if not known or contacts[0].dimension != 3:
+        return list(contacts)
+    packing = contacts[0].packing.softened(min(known))
+    return [replace(contact, packing=packing) for contact in contacts]
+
+
 @dataclass(frozen=True)
 class Mixed:
     """Grains of several kinds: the contact of each two kinds under their share of the pressure."""
 
     kinds: Sequence[mixture.Kind]
     pairs: Sequence[Sequence[Loaded]]
-    kappa: float  #: of the softest pair
+    kappa: float  #: of the softest pair under the mean of the normal stresses
 
     @property
     def overlaps(self) -> np.ndarray:
@@ -400,8 +479,9 @@ class Mixed:
         contact = self.pairs[0][0]
         assert contact.pressure is not None
         shares = mixture.pairs(self.kinds)
+        stress = contact.pressure * contact.packing.stress_share
         carrying = contact.packing.carrying(self.kappa, contact.dimension, shares.width)
-        load = mixture.mean_force(self.kinds, contact.pressure * contact.packing.stress_share, carrying)
+        load = mixture.mean_force(self.kinds, stress, carrying)
         loads = load * shares.forces
         return np.array(
             [
@@ -430,7 +510,7 @@ class Mixed:
         """Largest ω² [1/s²]: around grains of the kind with the fastest motion.
 
         Springs to heavier grains count less, up to half. The neighbours of the fastest ones differ from the mean by a
-        standard deviation and more: 1 to 12 % below the step of beds up to radii of 1:3 (studies/mixtures.nc).
+        standard deviation and more: 1 to 13 % below the step of beds up to radii of 1:3 (studies/mixtures.nc).
         """
         shares, largest = mixture.pairs(self.kinds), 0.0
         ends = shares.contacts.sum(axis=0)
@@ -470,7 +550,7 @@ def mixed(contacts: Sequence[Loaded], kinds: Sequence[mixture.Kind]) -> Mixed | 
         if len(row) < len(kinds):
             return None
         rows.append(row)
-    kappa = min(pair.stiffness_number or 0.0 for row in rows for pair in row)
+    kappa = min(pair.mean_stiffness_number or 0.0 for row in rows for pair in row)
     return Mixed(kinds, rows, kappa)
 
 
@@ -578,6 +658,7 @@ class Load:
     bound: bool = False  #: whether it is at most this
     unloaded: bool = False  #: whether it is at least this, since a run before prescribed more
     uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
+    friction: float = 0.0  #: largest coefficient of the grains
     packing: Packing | None = None  #: as measured in a dump, or given
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains, if they are known and differ
     shear_rate: float | None = None
@@ -622,6 +703,7 @@ class GrainState:
     stiffness_number: float | None = None  #: κ_p
     packing_excess: float | None = None  #: φ of such beds with friction over that of rigid ones, less one
     coordination_excess: float | None = None  #: the same of the number of contacts
+    measured_from: float | None = None  #: least κ_p of measured packings, if that of these grains is less
     stiffness: str | None = None  #: name of the number that sets the stiffness
     stiffness_for_rigid: float | None = None  #: its value at κ_p = 10⁴, in the unit of the script
     stiffness_unit: str | None = None  #: this unit; empty in lj units
@@ -733,11 +815,18 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if load.name == "gas":
         return GAS
     rough = any(case.friction.coefficient != 0.0 for case in moving)
-    bed = load.packing or PACKINGS[dimension, rough]
+    bed = load.packing or settled(0.5 if rough else 0.0, dimension)
     if rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1:
         bed = bed._replace(stress_share=UNEQUAL_SHARE)
-    packing = bed if load.weight else bed._replace(stress_share=UNIAXIAL[rough] if load.uniaxial else 1.0)
+    packing = bed if load.weight else bed._replace(stress_share=1.0)
     contacts = loaded(moving, load.on_contacts, packing, dimension)
+    if load.uniaxial and not load.weight:
+        axial = min((pair.stiffness_number or math.inf for pair in _pairs(contacts)), default=math.inf)
+        share = under_piston(load.friction, axial)
+        packing = packing._replace(stress_share=share, uncertain=UNIAXIAL_ERROR)
+        contacts = loaded(moving, load.on_contacts, packing, dimension)
+    contacts = softened(contacts)
+    packing = contacts[0].packing if contacts else packing
     mix = mixed(contacts, load.kinds)
     longest = largest_stable_step(contacts, mix) if len(contacts) == len(moving) else None
     inertial, lacking = None, tuple[str, ...]()
@@ -782,9 +871,12 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         return state
     state = _softened(state, contacts, mix)
     kappa = state.stiffness_number or 0.0
-    if dimension == 2 or not rough or kappa < SOFTEST:
+    if dimension == 3 and kappa < packing.softest:
+        return replace(state, measured_from=packing.softest)
+    if dimension == 2 or not rough:
         return state
-    return replace(state, packing_excess=DENSER / kappa, coordination_excess=MORE_CONTACTS / math.sqrt(kappa))
+    denser, more = packing.excess
+    return replace(state, packing_excess=denser / kappa, coordination_excess=more / math.sqrt(kappa))
 
 
 def _rolling_radius(load: Load, diameter: float | None) -> float | None:
@@ -813,7 +905,7 @@ def _supposed(
     if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
         heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
         pressure = load.concentration * heavy * load.layers * diameter
-        under = [replace(contact, packing=packing, pressure=pressure) for contact in contacts]
+        under = softened([replace(contact, packing=packing, pressure=pressure) for contact in contacts])
         below = _softened(state, under, mixed(under, load.kinds))
         state = replace(
             state,
@@ -883,6 +975,7 @@ def _prepared(overlap: float, contact: Loaded, kappa: float) -> dict[str, Any]:
         return {}
     least, most = packing.prepared
     least = min(least, LEAST_OF_SOFTER) if kappa < SOFTER else least
+    least, most = least / (1.0 + packing.uncertain), most / (1.0 - packing.uncertain)
     smooth = packing.carrying(kappa, 3) / pressed(0.0).carrying(kappa, 3)
     return {
         "overlap_range": (overlap * most**-power, overlap * least**-power),

@@ -44,12 +44,14 @@ def in_script(
             stage.dimension,
             fixed,
         )
+    kinds = dumps.kinds(frames[-1], surroundings.radii(stage), fixed) if frames else ()
     around = loads.Around(
         cases=[case for case in examined.values() if case.stage == newest],
         dimension=stage.dimension,
         units=stage.units,
         state=states[-1] if states else None,
-        kinds=dumps.kinds(frames[-1], surroundings.radii(stage), fixed) if frames else (),
+        kinds=kinds,
+        poured=loads.poured(stage, kinds),
         bed=bed,
         lasting=findings.contacts_last([row for _, row in final.examined], states),
         barostat="barostat" in others,

@@ -14,7 +14,7 @@ from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.formatting import digits, length, listed, quantity
 from . import dumps, flows, mixture
-from .at_rest import PACKINGS, Load, Packing, most_layers, pressed, weight
+from .at_rest import Load, Packing, most_layers, pressed, settled, weight
 from .contacts import Body, Case
 from .drive import Support
 from .scripts import Stage
@@ -82,18 +82,24 @@ class Around(NamedTuple):
     elastic: bool = False  #: whether nothing dissipates, so that no grain comes to rest
     fluid: bool = False  #: whether one drags the grains or carries a part of their weight
     kinds: tuple[mixture.Kind, ...] = ()  #: of the grains of a dump or a system
+    poured: bool = False  #: whether these grains are equal, and fell from a height few at a time
+
+    @property
+    def settled(self) -> Packing:
+        """As expected of such grains at rest. Grains of unknown friction count as those of 0.5."""
+        return settled(_friction(self.cases, 0.5, 0.0), self.dimension, self.poured)
 
     @property
     def packing(self) -> Packing:
         """As measured in a dump if that is the one of a bed, else as expected."""
-        pairs = [case for case in self.cases if case.second is not None]
-        expected = PACKINGS[self.dimension, any(case.friction.coefficient != 0.0 for case in pairs)]
+        expected = self.settled
         low, high = BEDS[self.dimension]
         state = self.state
         contacts = 0.0 if state is None or state.coordination is None else state.coordination
         if state is None or state.packing_fraction is None or contacts < LEAST:
             return expected
-        packing = expected._replace(coordination=contacts, rigid=None if self.bed is None else expected.rigid)
+        rigid = None if self.bed is None else expected.rigid
+        packing = expected._replace(coordination=contacts, rigid=rigid, counted=True)
         in_range = low <= state.packing_fraction <= high
         return packing._replace(packing_fraction=state.packing_fraction) if in_range else packing
 
@@ -128,7 +134,7 @@ def load_of(
         return Load("gas")
     driven = rate is not None or (support.moves and support.shaking is None) or stage.contents.pours
     name = "flow" if driven else "pressed" if under_pressure or not rests else "rest"
-    kinds = _kinds(stage, around)
+    kinds = _kinds(stage, around.kinds)
     load = Load(
         name,
         packing=around.packing,
@@ -151,26 +157,33 @@ def load_of(
     if stage.gravity and stage.down:
         tilt = math.degrees(math.acos(min(max(map(abs, stage.down)), 1.0)))
         load = replace(load, tilt=tilt, **flows.of_stage(stage, around.cases, tilt, around.speed_unit))
-    load = replace(load, uniaxial=stage.uniaxial and load.origin.startswith(BY_SCRIPT))
+    friction = _friction(around.cases, 1.0, 1.0)
+    load = replace(load, uniaxial=stage.uniaxial and load.origin.startswith(BY_SCRIPT), friction=friction)
     by_script = stage.pressed or stage.pressure is not None or around.barostat
-    settled = name == "rest" or load.weight or bool(stage.gravity and not by_script)
-    known = around.packing not in (PACKINGS[3, True], PACKINGS[3, False])  # of a dump, or of disks
-    return load if settled or known else replace(load, packing=pressed(_friction(around.cases)))
+    rests = name == "rest" or load.weight or bool(stage.gravity and not by_script)
+    if rests or around.dimension == 2 or around.packing != around.settled:  # that of a dump
+        return load
+    return replace(load, packing=pressed(friction))
 
 
-def _friction(cases: Sequence[Case]) -> float:
-    """The largest coefficient of friction of the grains; one that is not known counts as large."""
+def _friction(cases: Sequence[Case], unknown: float, without: float) -> float:
+    """The largest coefficient of friction of the grains. ``without``: if there are no contacts between grains."""
     pairs = [case.friction.coefficient for case in cases if case.second is not None]
-    return max((1.0 if mu is None else mu for mu in pairs), default=1.0)
+    return max((unknown if mu is None else mu for mu in pairs), default=without)
 
 
-def _kinds(stage: Stage, around: Around) -> tuple[mixture.Kind, ...]:
+def poured(stage: Stage, kinds: tuple[mixture.Kind, ...]) -> bool:
+    """Whether equal grains were poured. ``kinds``: of a dump."""
+    return stage.contents.poured and not _kinds(stage, kinds)
+
+
+def _kinds(stage: Stage, dumped: tuple[mixture.Kind, ...]) -> tuple[mixture.Kind, ...]:
     """The kinds of grains of a dump, else of what the script makes; empty if they are not known or all equal.
 
     Radii of one type whose numbers are not known count as uniform between its ends.
     """
     moving = {name: kind for name, kind in stage.grains.items() if not kind.frozen}
-    kinds = around.kinds or mixture.of_lots(stage.contents.lots, moving)
+    kinds = dumped or mixture.of_lots(stage.contents.lots, moving)
     if stage.contents.concentration > 1.0:
         return ()  # the spheres of a clump have no contacts of their own
     if len(moving) != 1:
@@ -190,7 +203,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if stage.gravity is None or (around.piston and options.height is None):
         return {}
     gravity = stage.gravity * max(map(abs, stage.down or (1.0,)))  # across the floor of a slope
-    kinds = _kinds(stage, around)
+    kinds = _kinds(stage, around.kinds)
     if options.height is None and around.bed is not None:
         origin = f"below {around.length(around.bed.height)} of grains"
         bound = around.bed.walled

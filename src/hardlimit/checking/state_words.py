@@ -225,7 +225,9 @@ def details(verdict: Verdict) -> Iterator[str]:
         yield f"The range is that of ways to compress grains with their friction; {smooth}."
     if state.packing_excess is not None and state.coordination_excess is not None:
         denser, more = percent(state.packing_excess), percent(state.coordination_excess)
-        yield f"Beds of such grains are {denser} denser than those of rigid ones and have {more} more contacts."
+        yield f"Packings of such grains are {denser} denser than those of rigid ones and have {more} more contacts."
+    if state.measured_from is not None and state.overlap is not None:
+        yield f"Packings were measured from κ_p = {digits(state.measured_from, 3)} on; contacts are as many as there."
     rows = [row for row in verdict.rows if row.stage == max((r.stage for r in verdict.rows), default=1)]
     usual = [row.duration / USUAL_STEP for row in rows if row.duration]
     rayleigh = [row.rayleigh_time for row in rows if row.rayleigh_time]

@@ -121,6 +121,7 @@ class Contents:
     never_meet: bool = False  #: whether no grain meets another or a wall
     pours: bool = False  #: whether all that is below the grains is open, as a funnel is
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it, at most
+    poured: bool = False  #: whether all grains fall from where they are inserted, few at a time
 
 
 NOTHING = Contents()

@@ -42,6 +42,7 @@ class Insertion(NamedTuple):
     velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
     poured: bool = True  #: whether a fix inserts them, and no ``create_atoms``
     stream: streams.Stream | None = None  #: of ``fix insert/stream``
+    lasting: bool = False  #: whether it inserts few grains at a time
 
 
 @dataclass
@@ -245,7 +246,8 @@ def poured(state: State, fix: Fix, kind: int, count: float | None, means: tuple[
     name = words[words.index("region") + 1] if "region" in words[:-1] else ""
     state.filling.census.add(census.lot(kind, count, means))
     velocity = velocity_of(state, fix)
-    state.filling.insertions.append(Insertion(state.filling.regions.get(name), velocity))
+    lasting = "once" not in fix.words
+    state.filling.insertions.append(Insertion(state.filling.regions.get(name), velocity, lasting=lasting))
     state.filling.launches.append(free_fall.inserted(fix, velocity))
 
 
@@ -393,6 +395,7 @@ def contents(state: State, stage: Stage) -> Contents:
         without="the weight of the body that moves freely (6dof)" if free else "",
         lots=filling.census.known,
         never_meet=free_fall.never_meet(state, stage),
+        poured=bool(filling.insertions) and all(insertion.lasting for insertion in filling.insertions),
         **height_of(state, stage),
     )
 
