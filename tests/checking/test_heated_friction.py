@@ -255,7 +255,9 @@ def test_a_sheared_script_with_friction_has_its_number():
     smooth = hl.check(text.replace(" 0.5 limit_damping", " 0 limit_damping")).rows[0]
     without = gas.rotating(row.restitution, 0.0, 0.0)
     assert smooth.speed**2 / math.pi == pytest.approx(without.sheared_temperature(200.0), rel=1e-3)
-    stresses = [one.sheared_state(200.0).pressure_tensor[0, 1] for one in (without, gas.rotating(law=bead))]
+    stresses = [
+        grains.sheared_state(200.0).pressure_tensor[0, 1] for grains in (without, gas.rotating(law=bead))
+    ]
     assert row.smooth_error == pytest.approx(stresses[0] / stresses[1] - 1.0, rel=1e-2)
     assert "the shear stress of event-driven is" in verdict.sentence and "too high" in verdict.sentence
     spinning = hl.check(text, speed=0.1).rows[0]

@@ -101,9 +101,9 @@ def steady(density: float, rule: Rule, loss: float, theta: float) -> State:
         return np.array([change[0, 0], change[1, 1], change[2, 2], change[0, 1], *spins])
 
     start = np.array([math.log(near), 0.1, -0.05, 0.3, *((theta, -0.5) if rubbing else ())])
-    found = optimize.root(balance, start, method="hybr", options={"xtol": PRECISION})
-    moments = moments_of(found.x)
-    if not found.success or moments.rotation < 0.0:
+    root = optimize.root(balance, start, method="hybr", options={"xtol": PRECISION})
+    moments = moments_of(root.x)
+    if not root.success or moments.rotation < 0.0:
         raise ArithmeticError("no steady state of this shear was found")
     t = moments.temperature
     pressure = moments.velocity + collisions(density, rule, moments, rubbing).virial

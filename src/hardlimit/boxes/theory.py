@@ -221,8 +221,8 @@ class Gas:
         T = (σ γ̇)² f₂/f₅ with the diameter σ, η = (1 + ε)/2, f₅ = (48/√π) η(1 − η) φ²χ and
         f₂ = 5√π/(96 η(2 − η)) · (1 + (8/5)ηφχ)(1/χ + (8/5)η(3η − 2)φ) + (8/(5√π)) η φ²χ.
         Source: Lun, Savage, Jeffrey & Chepurniy, J. Fluid Mech. 140, 223 (1984). Valid for nearly elastic spheres in a
-        fluid, ε ≥ 0.8: at this order all normal stresses are equal. :meth:`RotatingGas.sheared_state` has them, and T at
-        larger shear.
+        fluid, ε ≥ 0.8: at this order all normal stresses are equal. :meth:`RotatingGas.sheared_state` has them, and T
+        at larger shear.
 
         Parameters
         ----------

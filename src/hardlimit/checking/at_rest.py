@@ -856,17 +856,17 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if (
         load.pressure is not None
         and not _pairs(contacts)
-        and (kappa := _of_repulsion(moving, load, packing, dimension))
+        and (repulsion := _of_repulsion(moving, load, packing, dimension))
     ):
-        return replace(state, stiffness_number=kappa)
+        return replace(state, stiffness_number=repulsion)
     if not contacts:
         return of_any_size(state, moving, load.on_contacts, packing, dimension)
     if load.pressure is None:
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
         bound = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
-        share = None if time_step is None else time_step / longest
-        state = replace(state, step_is_bound=bound, step_share=share)
+        used = None if time_step is None else time_step / longest
+        state = replace(state, step_is_bound=bound, step_share=used)
     if load.pressure is None or not _pairs(contacts):
         return state
     state = _softened(state, contacts, mix)

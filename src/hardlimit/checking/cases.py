@@ -386,9 +386,9 @@ def _just_before(limit: str) -> tuple[int, ...]:
 
 def _asked(force: ModelForce) -> float | None:
     """The ε that the script asks for: that of a corrected line, whose own number is another one, comes first."""
-    asked = force.numbers.get("restitution", force.contact.asked)
+    restitution = force.numbers.get("restitution", force.contact.asked)
     wanted = {setting.wanted for setting in force.contact.settings.values()} - {None}
-    return asked if asked is None or len(wanted) != 1 else wanted.pop()
+    return restitution if restitution is None or len(wanted) != 1 else wanted.pop()
 
 
 def _ends(

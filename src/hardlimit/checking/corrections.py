@@ -172,9 +172,9 @@ def _numbers(examined: Examined, commented: bool) -> Iterator[str]:
     for (text, *words), needs in needed.items():
         statements.setdefault(text, []).append((tuple(words), needs))
     for text, settings in statements.items():
-        asked = {need.case.restitution_asked for _, needs in settings for need in needs}
-        one = commented and len(asked) == 1 and not WANTED.search(text)
-        comment = f"  # for a restitution of {asked.pop():g}" if one else ""
+        restitutions = {need.case.restitution_asked for _, needs in settings for need in needs}
+        is_said = commented and len(restitutions) == 1 and not WANTED.search(text)
+        comment = f"  # for a restitution of {restitutions.pop():g}" if is_said else ""
         if MATRIX in text and all(len({need.number for need in needs}) == 1 for _, needs in settings):
             yield from _matrix(text, {words[0]: needs[0] for words, needs in settings}, comment)
         else:

@@ -215,7 +215,7 @@ class Drive:
         if not LEAST_IN_SHEAR <= restitution <= 1.0 - ELASTIC:
             return None
         of_both = (
-            one.sheared_state(self.shear_rate) for one in (gas.rotating(restitution, 0.0, 0.0), rubbing)
+            grains.sheared_state(self.shear_rate) for grains in (gas.rotating(restitution, 0.0, 0.0), rubbing)
         )
         smooth, rough = (-float(state.pressure_tensor[0, 1]) for state in of_both)
         return smooth / rough - 1.0
