@@ -14,6 +14,7 @@ inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
     exact::Piece piece;
     const double h = exact::piece_length(s, n.floor, n.pair);
     if (n.floor && dt > 8.0 * h) return exact::double_contact_motion(s, n.x, dt);
+    if (!n.floor && dt > 100.0 * h) return exact::pair_motion(s, n.x, dt);
     Gaps x = n.x;
     for (; dt > h; dt -= h) {
         exact::expand(s, x, n.floor, n.pair, h, piece);

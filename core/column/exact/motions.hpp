@@ -152,6 +152,14 @@ HL_FN Gaps floor_motion(const TwoBall& s, const Gaps& x, double t) {
     return {u, dy, (upper + t * (upper_rate - 0.5 * s.gravity * t)) - u, (upper_rate - s.gravity * t) - dy};
 }
 
+// State after a time t while only the pair is in contact, in closed form: ẅ = −L2, ü = −g + a2 L2.
+HL_FN Gaps pair_motion(const TwoBall& s, const Gaps& x, double t) {
+    double w = x.w, dw = x.dw;
+    oscillate(1.0, 0.5 * s.c2, t, w, dw);
+    const Gaps free = free_motion<double>(s, x, t);
+    return {free.u - s.a2 * (w - free.w), free.du - s.a2 * (dw - x.dw), w, dw};
+}
+
 }  // namespace exact
 
 }  // namespace hardlimit::column
