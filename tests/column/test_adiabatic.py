@@ -8,7 +8,6 @@ import pytest
 import scipy
 
 import hardlimit as hl
-from conftest import slow
 
 G = 9.81
 
@@ -139,7 +138,7 @@ def test_only_two_balls_on_a_floor_under_the_linear_law():
             hl.adiabatic(column)
 
 
-@slow
+@pytest.mark.slow
 def test_absurd_damping_ends():
     """Rounding leaves nothing of the motion; a contact of the pair that lasts 1e20 pieces is one step."""
     result = hl.adiabatic(hl.Column.paper(law=hl.LinearDashpot(stiffness=5e7, damping=1e30)))

@@ -46,7 +46,8 @@ def viscosity_ratio(
 ) -> float:
     """Viscosity of hard spheres over that under Newton's equations at equal kinetic temperature.
 
-    Means change to first order in t_c ν, by which none becomes negative. NaN where nothing is left of the relaxation.
+    Means change to first order in t_c ν, by which none becomes negative. NaN where nothing is left of
+    the relaxation or the viscosity.
 
     ``density``, ``slope``, ``growth``: D 2^D φ χ, s and D φ χ'/χ of the fluid. ``loss``: of a collision in m T.
     ``dissipation``: that under Newton's equations over that of hard spheres at equal temperature.
@@ -58,9 +59,8 @@ def viscosity_ratio(
             for mean, turn, press in zip(hard, flowing.turned, PRESSED, strict=True)
         )
     )
-    if not after.relaxation > 0.0:
-        return math.nan
-    return viscosity(hard, rate, loss) / viscosity(after, rate, loss * dissipation)
+    soft = viscosity(after, rate, loss * dissipation) if after.relaxation > 0.0 else 0.0
+    return viscosity(hard, rate, loss) / soft if soft > 0.0 else math.nan
 
 
 @lru_cache(maxsize=128)

@@ -190,7 +190,8 @@ def _matrix(text: str, needs: Mapping[str, Need], comment: str) -> Iterator[str]
     kept = WANTED.search(tail)
     count, *values = (tail if kept is None else tail[: kept.start()]).split()
     new = [
-        next((need.number for word, need in needs.items() if _equal(value, word)), None) for value in values
+        next((need.number for word, need in needs.items() if word == value or _equal(value, word)), None)
+        for value in values
     ]
     if None in new:  # of a contact that is not known, or of two walls
         comment = ""
@@ -260,4 +261,6 @@ def replaced(setting: Setting, place: int, new: str) -> str | None:
 
 
 def _equal(word: str, other: str) -> bool:
-    return NUMBER.fullmatch(other) is not None and math.isclose(float(word), float(other), rel_tol=1e-12)
+    """Whether two words, which may be quoted, are the same number."""
+    bare = [either.strip("\"'") for either in (word, other)]
+    return all(map(NUMBER.fullmatch, bare)) and math.isclose(*map(float, bare), rel_tol=1e-12)
