@@ -637,7 +637,7 @@ def test_a_corrected_matrix_of_one_number_is_not_corrected_again():
     assert not [line for line in again.corrected if "Restitution" in line]
 
 
-@pytest.mark.parametrize("matrix", ["2 0.6 0.5 0.5 0.7", "2 0.6 0.6 0.6 0.6"])
+@pytest.mark.parametrize("matrix", ["2 0.6 0.5 0.5 0.7", "2 0.6 0.6 0.6 0.6", "2 '0.6' 0.5 0.5 \"0.7\""])
 def test_a_matrix_over_types_is_corrected_as_a_whole(matrix):
     text = COHESIVE.format("0").replace("hertz cohesion sjkr", "hertz limitForce on")
     text = re.sub("peratomtype (.*)", r"peratomtype \1 \1", text).replace("create_box 1", "create_box 2")
