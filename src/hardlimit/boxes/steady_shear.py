@@ -3,8 +3,8 @@
 Velocities are Gaussian with any second moments ⟨c c⟩, spins with one temperature about a mean along the vorticity, and
 pairs that touch are uncorrelated but for Enskog's χ; their relative velocity is also that of the flow across a
 diameter. Nothing is expanded in the shear rate. Shear stress, normal stresses, dissipation, spins and temperature are
-those at which collisions keep ⟨c c⟩, the mean spin and the rotational energy as they are. For smooth disks and spheres
-this is the theory of Jenkins & Richman, J. Fluid Mech. 192, 313 (1988).
+those at which collisions keep ⟨c c⟩, the mean spin and the rotational energy as they are. Jenkins & Richman,
+J. Fluid Mech. 192, 313 (1988), have this theory for smooth disks; here are spheres.
 
 Units: diameter, mass and shear rate 1; the flow is y along x.
 """

@@ -554,7 +554,7 @@ class RotatingGas:
 
         Notes
         -----
-        Source of the theory for smooth spheres and disks: Jenkins & Richman, J. Fluid Mech. 192, 313 (1988). T of hard
+        Source of the theory, for smooth disks: Jenkins & Richman, J. Fluid Mech. 192, 313 (1988). T of hard
         spheres differed by −5 to +4 % in 16 gases with friction and by 0 to +8 % in 6 without (:doc:`/driven_gases`).
 
         Examples
