@@ -298,28 +298,24 @@ class ErrorLaw:
         setting, weight = self._setting, 0.0
         if self.smooth is not None and setting is not None and self.friction is not None:
             weight = min(self.friction.coefficient / WEAK, 1.0)
-        ratio = 0.0
+        parts = []  # share, contacts, loss of a collision
         if weight < 1.0:
             sliding = frictional_error.Setting(3, self.restitution, SMOOTH, 0.0, spins.SOLID[3])
-            loss = 1.0 - self.restitution**2
-            flowing = sheared_error.flowing(sliding)
-            ratio += (1.0 - weight) * sheared_error.viscosity_ratio(
-                flowing, **fluid_of, loss=loss, dissipation=dissipation
-            )
-        if weight > 0.0:
-            assert setting is not None
+            parts.append((1.0 - weight, sliding, 1.0 - self.restitution**2))
+        if setting is not None and weight > 0.0:
             state = frictional_error.heated_state(setting, 1.0 + (LINEAR.damping + 1.0) / LINEAR.energy)
             if state is None:
                 return math.nan
             balance, theta = state
-            flowing, loss = (
-                sheared_error.flowing(setting._replace(theta=theta)),
-                -float(balance.collision(theta)[0]),
+            rubbing = setting._replace(theta=theta)
+            parts.append((weight, rubbing, -float(balance.collision(theta)[0])))
+        return sum(
+            share
+            * sheared_error.viscosity_ratio(
+                sheared_error.flowing(contacts), **fluid_of, loss=loss, dissipation=dissipation
             )
-            ratio += weight * sheared_error.viscosity_ratio(
-                flowing, **fluid_of, loss=loss, dissipation=dissipation
-            )
-        return ratio
+            for share, contacts, loss in parts
+        )
 
     def _kinetic_share(self, x: float) -> float:
         """Kinetic energy under Newton's equations over that which contacts will not dissipate; NaN if one is none."""

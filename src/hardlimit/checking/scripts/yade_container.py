@@ -110,9 +110,8 @@ class Container:
         ends, faces = shape
         flat = flat_axis(ends) if instance.name == "facet" else None
         self.normals |= {face.axis for face in faces} | (set() if flat is None else {flat})
-        self.normals |= (
-            {0, 1} if instance.name == "facetCylinder" and mask is not None and mask & SIDE else set()
-        )
+        if instance.name == "facetCylinder" and mask is not None and mask & SIDE:
+            self.normals |= {0, 1}
         (self.solid if instance.name == "box" else self.ends).append(ends)
         self.faces += faces
         if instance.name == "facetCylinder":
