@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frictional_motion import Motion, Pair, TooCostlyError, integrate
 from hypothesis import assume, given, reject
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hardlimit as hl
 from conftest import DATA, draws, output_of, refusal
+from frictional_motion import Motion, Pair, TooCostlyError, integrate
 from hardlimit import _core
 
 NEWTON = json.loads((DATA / "friction.json").read_text(encoding="utf-8"))["newton"]
