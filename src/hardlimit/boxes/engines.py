@@ -164,7 +164,8 @@ class Engine:
 
     def has_reached(self, time: float) -> bool:
         """Whether all that happens up to ``time`` [s] has happened."""
-        return self.time >= time and not self.compiled.paused and self.time < self._next_kick()
+        now = self.time
+        return now >= time and not self.compiled.paused and now < self._next_kick()
 
     @property
     def n_contacts(self) -> int:
