@@ -194,7 +194,7 @@ def at_level(path: Path) -> dict[str, float]:
     radius, mass = rows[:, 3], DENSITY * 4.0 / 3.0 * math.pi * rows[:, 3] ** 3
     at = np.mod(rows[:, :3] - ends[:, 0], edges)
     system = hl.ParticleSystem(at, 0.0 * at, radius, mass=mass, box=edges, allowed_overlap=0.2)
-    of = stability._contacts(system, 0.0)
+    of = stability.network(system, 0.0)
     ends_of = radius[of.first], radius[of.second]
     volume, counts = float(np.prod(edges)), of.counts(N)
     deep = of.overlap / np.minimum(*ends_of)

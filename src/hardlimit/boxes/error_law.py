@@ -323,6 +323,15 @@ class ErrorLaw:
         kinetic, kept = 1.0 - (1.0 - half_lost) * self.stored * x, 1.0 - half_lost * self.delay * x
         return kinetic / kept if kinetic > 0.0 and kept > 0.0 else math.nan
 
+    def outside_driven(self, sheared: bool) -> str:
+        """How this is outside what was measured of sheared or of heated gases, in words; empty if it is inside.
+
+        :meta private:
+        """
+        if self._setting is None:
+            return self.extrapolated
+        return self._setting.outside_driven(self.packing_fraction, sheared)
+
     def no_shear(self) -> str:
         """Why the errors under shear are not known; empty if they are.
 
