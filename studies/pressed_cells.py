@@ -32,12 +32,8 @@ from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
 N: Final = 300
 LEVELS: Final = (1e5, 10**4.5, 1e4, 10**3.5, 1e3)
-SOFT: Final = (
-    10**2.5,
-    1e2,
-    10**1.5,
-    10**1.25,
-)  #: levels of cells of their own, at :data:`HASTE` times the rates
+#: Levels of cells of their own, at :data:`HASTE` times the rates.
+SOFT: Final = (10**2.5, 1e2, 10**1.5, 10**1.25)
 HASTE: Final = 5.0
 TIME_STEP: Final = 0.15  #: t_c/15
 #: Rate of strain along each axis [√(k/m)] from the end of the first compression to the first level, and at most there.
