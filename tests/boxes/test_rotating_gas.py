@@ -715,7 +715,8 @@ def test_sheared_temperatures_that_do_not_exist_are_refused(monkeypatch: pytest.
         lambda x: elastic.sheared_temperature(x, 0.9),
     ):
         assert "shear_rate: got 1e+300, must be" in refusal(lambda call=sheared: call(1e300))
-    assert "volume: got 0.5, must be more" in refusal(lambda: theory.Gas(1, 0.5, 1.0, 0.5, 3))
+    full = theory.Gas(1, 0.5, 1.0, 0.5, 3).rotating(0.9, 0.5, 0.5)
+    assert "volume: got 0.5, must be more" in refusal(lambda: full.sheared_state(1.0))
     monkeypatch.setattr(steady_shear, "PRECISION", 0.0)  # which no search reaches
     assert refusal(lambda: rough.sheared_state(1.0)).startswith(
         "restitution: got 0.9, with which no steady shear"

@@ -62,8 +62,8 @@ class Gas:
     Raises
     ------
     ValueError
-        If a value is not positive and finite, the dimension is neither 2 nor 3, the inertia factor is outside its
-        range, or the particles fill the box.
+        If a value is not positive and finite, the dimension is neither 2 nor 3, or the inertia factor is outside its
+        range.
     """
 
     n: int
@@ -79,8 +79,7 @@ class Gas:
             "dimension": validation.whole("dimension", self.dimension, 2, 3),
         }
         checked |= {
-            name: validation.number(name, getattr(self, name), 0.0, highest)
-            for name, highest in (("radius", LARGEST), ("mass", math.inf), ("volume", math.inf))
+            name: validation.number(name, getattr(self, name), 0.0) for name in ("radius", "mass", "volume")
         }
         q = self.inertia_factor
         if q is None:
@@ -91,8 +90,6 @@ class Gas:
         )
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        if not self.packing_fraction < 1.0:
-            raise ValueError(f"volume: got {self.volume:.6g}, must be more than that of the particles")
 
     @property
     def packing_fraction(self) -> float:
@@ -550,8 +547,8 @@ class RotatingGas:
         Raises
         ------
         ValueError
-            If the shear rate is outside its range, the particles are disks, β is not a finite number at each angle,
-            nothing is dissipated, or no steady state is found.
+            If the shear rate is outside its range, the particles are disks or fill the box, β is not a finite number at
+            each angle, nothing is dissipated, or no steady state is found.
 
         Notes
         -----
@@ -568,6 +565,8 @@ class RotatingGas:
         """
         if self.gas.dimension != 3:
             raise ValueError("shear_rate: the theory is that of spheres, not of disks")
+        if not self.gas.packing_fraction < 1.0:
+            raise ValueError(f"volume: got {self.gas.volume:.6g}, must be more than that of the particles")
         flow = validation.number("shear_rate", shear_rate, 0.0, LARGEST)
         ratio = self.heated_temperature_ratio()
         near = ratio if ratio > 0.0 else float(RATIOS[0])  # not NaN; θ for a start
