@@ -721,3 +721,10 @@ def test_sheared_temperatures_that_do_not_exist_are_refused(monkeypatch: pytest.
     assert refusal(lambda: rough.sheared_state(1.0)).startswith(
         "restitution: got 0.9, with which no steady shear"
     )
+
+
+def test_the_temperature_of_a_bath_with_any_drag() -> None:
+    for drag in (0.0, 1e-300, 1e-3, 1.0, 1e10, 1.7e308):
+        y = theory.root_with_drag(drag)
+        assert y * y * (y + drag) == pytest.approx(1.0, rel=1e-11)
+    assert all(math.isnan(theory.root_with_drag(drag)) for drag in (math.inf, math.nan))

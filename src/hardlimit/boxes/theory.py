@@ -822,18 +822,19 @@ def interpolated(tangents: Floats, values: Floats) -> Callable[[Floats], Floats]
 
 
 def root_with_drag(drag: float) -> float:
-    """y in y³ + drag y² = 1."""
+    """y in y³ + drag y² = 1; NaN if the drag is not finite."""
     from scipy import optimize
 
-    start = min(1.0, drag**-0.5) if drag > 0.0 else 1.0  # from above
-    return float(
-        optimize.newton(
-            lambda y: y**3 + drag * y * y - 1.0,
-            start,
-            lambda y: 3.0 * y * y + 2.0 * drag * y,
-            tol=PRECISION * start,
-        )
+    if not drag < math.inf:
+        return math.nan
+    start = min(1.0, drag**-0.5) if drag > 0.0 else 1.0
+    root = optimize.newton(
+        lambda y: y**3 + drag * y * y - 1.0,
+        start,
+        lambda y: 3.0 * y * y + 2.0 * drag * y,
+        tol=PRECISION * start,
     )
+    return float(root)
 
 
 def _checked_restitution(function: Callable[[Floats], Floats], tangents: Floats) -> Floats:
