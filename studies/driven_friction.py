@@ -262,45 +262,43 @@ def smooth(ds: xr.Dataset, case: str) -> dict[str, float]:
     return values
 
 
+#: Columns of both tables.
+SETTING: Final = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n"
+
+
 def tables(ds: xr.Dataset) -> str:
-    """Of the heated gases, and of the sheared ones."""
-    rows = [
-        (
-            *ALL[name],
-            driven_gas.percent(*error(ds, "heated", name, "dissipation", -2.0 / 3.0), math.nan, 1).partition(
-                " /"
-            )[0],
-            "{:.1f}±{:.1f}".format(*(100.0 * value for value in heated(ds, name))),
-            f"{100.0 * smooth(ds, name)['heated: temperature']:.1f}",
-            pair(ds.temperature, "heated", name),
-            f"{predicted_ratio(ALL[name]):.3f}",
-            pair(ds.temperature_ratio, "heated", name),
-        )
-        for name in HEATED
+    head = "temperature | law | smooth | T/T₀: hard, Newton | θ₀ | θ: hard, Newton"
+    of_heated = driver.table(f"{SETTING} | {head}", (heated_row(ds, name) for name in HEATED))
+    head = "temperature | stress | dissipation | viscosity | T/T₀ | θ₀ | θ: hard, Newton"
+    of_sheared = driver.table(f"{SETTING} | {head}", (sheared_row(ds, name) for name in SHEARED))
+    return f"{of_heated}\n\n{of_sheared}"
+
+
+def heated_row(ds: xr.Dataset, name: str) -> list[str]:
+    return [
+        *(f"{value:g}" for value in ALL[name]),
+        in_percent(*error(ds, "heated", name, "dissipation", -2.0 / 3.0)),
+        in_percent(*heated(ds, name)),
+        f"{100.0 * smooth(ds, name)['heated: temperature']:.1f}",
+        pair(ds.temperature, "heated", name),
+        f"{predicted_ratio(ALL[name]):.3f}",
+        pair(ds.temperature_ratio, "heated", name),
     ]
-    heads = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n | temperature | law | smooth | T/T₀: hard, Newton | θ₀ | θ: hard, Newton"
-    text = driver.table(heads, rows)
-    rows = []
-    for name in SHEARED:
-        measured, law, without = errors(ds, name), sheared(ds, name), smooth(ds, name)
-        cells = [
-            f"{in_percent(*measured[key])} / {in_percent(*law[key])} / {100.0 * without[key]:.1f}"
-            for key in law
-        ]
-        cells += [in_percent(*measured[f"sheared: {key} at equal T"]) for key in ("dissipation", "viscosity")]
-        case = SHEARED[name]
-        of_theory, theta = predicted(case)
-        temperature = float(ds.temperature.sel(drive="sheared", case=name, model="law").mean())
-        cells += [
-            f"{temperature / of_theory:.3f}",
-            f"{theta:.3f}",
-            pair(ds.temperature_ratio, "sheared", name),
-        ]
-        x = f"{tc_nu(ds, 'sheared', name):.2g}"
-        where = case.packing_fraction, case.mu, case.rho, x, case.restitution, case.damping
-        rows.append((*(value if isinstance(value, str) else f"{value:g}" for value in where), *cells))
-    head = "φ | μ | ρ | t_c ν | ε | γ_t/γ_n | temperature | stress | dissipation | viscosity"
-    return f"{text}\n\n{driver.table(f'{head} | T/T₀ | θ₀ | θ: hard, Newton', rows)}"
+
+
+def sheared_row(ds: xr.Dataset, name: str) -> list[str]:
+    measured, law, without = errors(ds, name), sheared(ds, name), smooth(ds, name)
+    of_theory, theta = predicted(SHEARED[name])
+    temperature = float(ds.temperature.sel(drive="sheared", case=name, model="law").mean())
+    setting = SHEARED[name]._replace(tc_nu=float(f"{tc_nu(ds, 'sheared', name):.2g}"))
+    return [
+        *(f"{value:g}" for value in setting),
+        *(f"{in_percent(*measured[k])} / {in_percent(*law[k])} / {100.0 * without[k]:.1f}" for k in law),
+        *(in_percent(*measured[f"sheared: {k} at equal T"]) for k in ("dissipation", "viscosity")),
+        f"{temperature / of_theory:.3f}",
+        f"{theta:.3f}",
+        pair(ds.temperature_ratio, "sheared", name),
+    ]
 
 
 def in_percent(value: float, error: float) -> str:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any, Final, NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from typing import Final, NamedTuple
 
 import driver
 import numpy as np
@@ -221,7 +221,8 @@ def draw(_: xr.Dataset) -> Mapping[str, Figure]:
 def tables(data: xr.Dataset) -> str:
     """A row for each drum: measured values, then I of each closure over the measured one.
 
-    The one number of the first and the last is that with the least largest factor where grains do not slide.
+    The one number of the first and the last, in the head, is that with the least largest factor where grains do not
+    slide.
     """
     known = [k for k in range(len(DRUMS)) if np.isfinite(data.inertial_number[k])]
 
@@ -238,14 +239,13 @@ def tables(data: xr.Dataset) -> str:
     def ratios(values: list[float]) -> Floats:
         return np.array(values) / measured
 
-    def spread(of: Any) -> Floats:
+    def best(of: Callable[[Drum, int, float], float]) -> tuple[float, Floats]:
         tried = [ratios([of(drum, k, rate) for k, drum in enumerate(drums)]) for rate in rates]
-        best = int(np.argmin([np.abs(np.log(each[rolls])).max() for each in tried]))
-        print(f"best number {rates[best]:.3f}")
-        return tried[best]
+        at = int(np.argmin([np.abs(np.log(each[rolls])).max() for each in tried]))
+        return float(rates[at]), tried[at]
 
-    constant = spread(lambda drum, k, rate: of_constant_rate(drum, angles[k], rate))
-    excess = spread(lambda drum, k, rate: of_excess_angle(drum, angles[k], depths[k], rate))
+    rate, constant = best(lambda drum, k, rate: of_constant_rate(drum, angles[k], rate))
+    share, excess = best(lambda drum, k, share: of_excess_angle(drum, angles[k], depths[k], share))
     slope = ratios([of_slope(*each) for each in zip(drums, angles, strict=True)])
     rows = [
         [
@@ -255,8 +255,8 @@ def tables(data: xr.Dataset) -> str:
         ]
         for k, drum in enumerate(drums)
     ]  # fmt: skip
-    head = "R/d | filling | Fr | μ | ε | angle | depth/d | γ̇ √(d/g) | I | flux | constant γ̇ | slope | angle"
-    return driver.table(head, rows)
+    head = "R/d | filling | Fr | μ | ε | angle | depth/d | γ̇ √(d/g) | I | flux"
+    return driver.table(f"{head} | constant γ̇, {rate:.2f} | slope | angle, {share:.2f}", rows)
 
 
 STUDY: Final = driver.Study(

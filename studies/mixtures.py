@@ -120,7 +120,7 @@ def run(point: Point, replica: int) -> dict[str, float]:
 def values_of(system: hl.ParticleSystem, kind: str, weight: float) -> dict[str, float]:
     """The values of a bed at rest."""
     law, z, radius = law_of(kind, weight), system.positions[:, 2], system.radius
-    of = stability._contacts(system, 0.0)
+    of = stability.network(system, 0.0)
     among = of.second >= 0
     i, j, overlap = of.first[among], of.second[among], of.overlap[among]
     low = BELOW * float(radius.max())

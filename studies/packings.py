@@ -226,7 +226,7 @@ def bulk(
     system: hl.ParticleSystem, force: hl.Law, low: float = -math.inf, high: float = math.inf
 ) -> dict[str, float]:
     """Values of the grains whose centres are between two heights; of all in a periodic box."""
-    of = stability._contacts(system, 0.0)
+    of = stability.network(system, 0.0)
     normal = np.asarray(force.between(BALL, BALL).force(of.overlap, np.zeros(len(of.overlap))))
     own = np.concatenate([np.arange(len(of.first)), np.flatnonzero(of.second >= 0)])
     ends = np.concatenate([of.first, of.second[of.second >= 0]])

@@ -92,7 +92,7 @@ def power_of(kind: str) -> float:
 
 def on_walls(system: hl.ParticleSystem, force: hl.Law) -> float:
     """Mean force of both walls over their area."""
-    of = stability._contacts(system, 0.0)
+    of = stability.network(system, 0.0)
     power = 0.25 * force.record["powers"][0]
     total = 0.0
     for rows, contact in contacts.of_pairs(system, force, of.first, of.second):

@@ -32,12 +32,8 @@ from hardlimit.plots.style import PAGE_WIDTH, PALETTE, style
 
 N: Final = 300
 LEVELS: Final = (1e5, 10**4.5, 1e4, 10**3.5, 1e3)
-SOFT: Final = (
-    10**2.5,
-    1e2,
-    10**1.5,
-    10**1.25,
-)  #: levels of cells of their own, at :data:`HASTE` times the rates
+#: Levels of cells of their own, at :data:`HASTE` times the rates.
+SOFT: Final = (10**2.5, 1e2, 10**1.5, 10**1.25)
 HASTE: Final = 5.0
 TIME_STEP: Final = 0.15  #: t_c/15
 #: Rate of strain along each axis [√(k/m)] from the end of the first compression to the first level, and at most there.
@@ -194,7 +190,7 @@ def at_level(path: Path) -> dict[str, float]:
     radius, mass = rows[:, 3], DENSITY * 4.0 / 3.0 * math.pi * rows[:, 3] ** 3
     at = np.mod(rows[:, :3] - ends[:, 0], edges)
     system = hl.ParticleSystem(at, 0.0 * at, radius, mass=mass, box=edges, allowed_overlap=0.2)
-    of = stability._contacts(system, 0.0)
+    of = stability.network(system, 0.0)
     ends_of = radius[of.first], radius[of.second]
     volume, counts = float(np.prod(edges)), of.counts(N)
     deep = of.overlap / np.minimum(*ends_of)

@@ -413,7 +413,7 @@ def test_contacts_with_a_fixed_normal_carry_what_collisions_do(mu, rho, theta) -
     setting = frictional_error.Setting(3, 0.9, friction, theta, 0.4)
     contact = setting.contact()
     by_rule = of_rule(
-        0.9, lambda tangents: contact.tangential_restitution(np.arctan(tangents), 1.0), theta, 0.4
+        0.9, lambda tangents: 1.0 + contact.tangential_restitution(np.arctan(tangents), 1.0), theta, 0.4
     )
     assert sheared_error.flowing(setting).hard == pytest.approx(by_rule, rel=3e-3)
 

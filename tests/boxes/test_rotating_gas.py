@@ -583,7 +583,7 @@ def test_collisions_of_a_gas_that_hardly_flows_are_those_of_a_gas_at_rest(q, e, 
     """Loss, exchange with spins, pressure, and relaxation of an anisotropy, each by another quadrature."""
     gas = theory.Gas(1, 0.5, 1.0, 2.0, 3, q)
     rubbing = gas.rotating(e, mu, beta)
-    rule = steady_shear.Rule(e, rubbing._beta, q)
+    rule = steady_shear.Rule(e, rubbing._grip, q)
     t, nu = 1e12, float(gas.collision_rate(1e12))
     density = gas.n / gas.volume * gas.contact_value
     rest = steady_shear.collisions(density, rule, steady_shear.Moments(t * np.eye(3), theta * t, -0.5))
@@ -596,8 +596,62 @@ def test_collisions_of_a_gas_that_hardly_flows_are_those_of_a_gas_at_rest(q, e, 
     shape = t * np.eye(3)
     shape[0, 1] = shape[1, 0] = 1e-3 * t
     skew = steady_shear.collisions(density, rule, steady_shear.Moments(shape, theta * t, -0.5))
-    relaxation = of_rule(e, rubbing._beta, theta, q).relaxation
+    relaxation = of_rule(e, rubbing._grip, theta, q).relaxation
     assert skew.velocity[0, 1] == pytest.approx(-1e-3 * t * nu * relaxation, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("q", "e", "mu", "beta", "rotation", "spin"),
+    [(0.4, 0.8, 0.5, 0.4, 0.6, -0.3), slow(0.6, 0.7, math.inf, 0.5, 0.9, -0.6)],
+)
+def test_collisions_in_a_fast_flow_are_those_of_random_pairs(q, e, mu, beta, rotation, spin) -> None:
+    """Deformed velocities, spins about a mean, and a flow across a diameter as fast as they are; γ̇ = d = m = 1."""
+    density, n, random = 0.5, 400_000, np.random.default_rng(8)
+    rule = steady_shear.Rule(e, theory.Gas(1, 0.5, 1.0, 2.0, 3, q).rotating(e, mu, beta)._grip, q)
+    velocity = np.array([[1.6, -0.5, 0.0], [-0.5, 0.8, 0.0], [0.0, 0.0, 0.7]])
+    rates = steady_shear.collisions(density, rule, steady_shear.Moments(velocity, rotation, spin))
+    k = random.normal(size=(n, 3))
+    k /= np.linalg.norm(k, axis=1)[:, None]
+    c = random.normal(size=(2, n, 3)) @ np.linalg.cholesky(velocity).T
+    turning = math.sqrt(4.0 * rotation / q) * random.normal(size=(2, n, 3))  # about the mean
+    flow = np.stack([k[:, 1], 0.0 * k[:, 0], 0.0 * k[:, 0]], axis=1)
+    g = c[1] - c[0] + flow - np.cross(0.5 * turning.sum(0) + [0.0, 0.0, spin], k)
+    speed = -np.einsum("ni,ni->n", g, k)
+    k, c, turning, g, speed = (
+        x[..., speed > 0.0, :] if x.ndim > 1 else x[x > 0.0] for x in (k, c, turning, g, speed)
+    )
+    across = g + speed[:, None] * k
+    grip = rule.grip(np.linalg.norm(across, axis=1) / speed)
+    impulse = 0.5 * (1.0 + e) * speed[:, None] * k - (0.5 / (1.0 + 1.0 / q) * grip)[:, None] * across
+    spun = -2.0 / q * np.cross(k, impulse)  # both alike
+    weight = 4.0 * math.pi * density / n * speed
+
+    def mean(values):  # over all, in unit time
+        return np.tensordot(weight, values, 1)
+
+    def square(x):
+        return np.einsum("...i,...j->...ij", x, x)
+
+    kicked = c + np.stack([-impulse, impulse])
+    assert rates.velocity == pytest.approx(mean(0.5 * (square(kicked) - square(c)).sum(0)), abs=0.04)
+    gained = 0.25 * q * 0.5 * ((turning + spun) ** 2 - turning**2).sum((0, 2))
+    assert rates.rotation == pytest.approx(mean(gained), abs=0.02)
+    assert rates.rotation_gain == pytest.approx(mean(0.25 * q * (spun**2).sum(1)), rel=0.02)
+    assert rates.spin == pytest.approx(mean(spun[:, 2]), abs=0.05)
+    assert rates.virial == pytest.approx(mean(0.5 * np.einsum("ni,nj->nij", impulse, k)), abs=0.01)
+    assert rates.grip == pytest.approx(0.5 * mean(grip), rel=0.01)
+
+
+@pytest.mark.parametrize("phi", [slow(0.01), 0.4])
+def test_sheared_gases_of_any_restitution_and_friction_have_a_state(phi: float) -> None:
+    """Down to no friction, whose limit is that of smooth spheres, and for collisions that stop the spheres."""
+    gas = theory.Gas(1, 0.5, 1.0, math.pi / 6.0 / phi, 3)
+    for e in (0.0, 0.9999):
+        smooth = gas.rotating(e, 0.0, 0.0).sheared_temperature(1.0)
+        for mu in (1e-12, 1e-6):
+            state = gas.rotating(e, mu, 0.5).sheared_state(1.0)
+            assert state.temperature == pytest.approx(smooth, rel=1e-8 + 10.0 * mu / (1.0 - e * e))
+            assert state.temperature_ratio == pytest.approx(mu, rel=2.0)
 
 
 def test_a_sheared_gas_balances_work_and_loss_whatever_its_scale() -> None:
@@ -649,8 +703,28 @@ def test_rough_and_constant_rules_and_functions_give_one_sheared_temperature() -
     assert gas.rotating(0.9, 1e9, 0.3).sheared_temperature(3.0) == pytest.approx(9.0 * rough, rel=1e-6)
 
 
-def test_sheared_temperatures_that_do_not_exist_are_refused() -> None:
+def test_sheared_temperatures_that_do_not_exist_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     disks, elastic = theory.Gas(1, 0.5, 1.0, 2.0, 2), theory.Gas(1, 0.5, 1.0, 2.0, 3)
     assert "not of disks" in refusal(lambda: disks.rotating(0.9, 0.5, 0.5).sheared_temperature(1.0))
     assert "dissipate nothing" in refusal(lambda: elastic.rotating(1.0, 0.0, 0.0).sheared_temperature(1.0))
-    assert "shear_rate: got -1" in refusal(lambda: elastic.rotating(0.9, 0.5, 0.5).sheared_temperature(-1.0))
+    rough = elastic.rotating(0.9, 0.5, 0.5)
+    assert "shear_rate: got -1" in refusal(lambda: rough.sheared_temperature(-1.0))
+    for sheared in (
+        rough.sheared_state,
+        rough.sheared_temperature,
+        lambda x: elastic.sheared_temperature(x, 0.9),
+    ):
+        assert "shear_rate: got 1e+300, must be" in refusal(lambda call=sheared: call(1e300))
+    full = theory.Gas(1, 0.5, 1.0, 0.5, 3).rotating(0.9, 0.5, 0.5)
+    assert "volume: got 0.5, must be more" in refusal(lambda: full.sheared_state(1.0))
+    monkeypatch.setattr(steady_shear, "PRECISION", 0.0)  # which no search reaches
+    assert refusal(lambda: rough.sheared_state(1.0)).startswith(
+        "restitution: got 0.9, with which no steady shear"
+    )
+
+
+def test_the_temperature_of_a_bath_with_any_drag() -> None:
+    for drag in (0.0, 1e-300, 1e-3, 1.0, 1e10, 1.7e308):
+        y = theory.root_with_drag(drag)
+        assert y * y * (y + drag) == pytest.approx(1.0, rel=1e-11)
+    assert all(math.isnan(theory.root_with_drag(drag)) for drag in (math.inf, math.nan))

@@ -511,6 +511,7 @@ def test_explore_serves(options: tuple[str, ...], page: str) -> None:
             "--plot: got 'no folder/a.png', must be in an existing folder",
         ),
         (["drop", "--save", "no folder/a.nc"], "--save: got"),
+        (["check", "--radius", "1mm", "--speed", ":1"], "--speed: got '', must be a number [m/s]"),
         (["drop", "--colour", "red"], "--colour"),
         (["contact", "--other-mass", 0], "--other-mass: got 0, must be > 0 and finite"),
         (["contact", "--speed", 0], "speed: got 0, must be > 0 and finite"),

@@ -258,7 +258,7 @@ WRONG = {
     f"gas {SMALL} --engine events {SOFT}": "--law: got linear --stiffness 1e-05 --restitution 0.9, must be",
     f"gas {SMALL} --shake 1mm:50Hz --boundary periodic": "--shake: got 'z-', must be on an axis",
     f"gas {SMALL} --shake 0:50Hz": "--shake: got 0 and 50, must both be > 0",
-    f"gas {SMALL} --heat 1 --engine lammps --stiffness 1e5 --restitution 0.9": "--heat: got RandomKicks: interval ",
+    f"gas {SMALL} --heat 1 --engine lammps --stiffness 1e5 --restitution 0.9": "--heat: got random kicks, power 1 W",
     f"gas {SMALL} --shake 1mm:50Hz --engine lammps --stiffness 1e5 --restitution 0.9": "--shake: got z-, must be none",
     f"gas {SMALL} --law viscoelastic --stiffness 1e9": "--stiffness: unknown, Viscoelastic takes --youngs-modulus",
     f"gas {SMALL} --youngs-modulus 1e9 --poisson-ratio 0.3 --restitution 0.5 --law viscoelastic": "--impact-speed",

@@ -409,4 +409,16 @@ def test_driven_grains_that_rub_are_drawn_from_the_data(study) -> None:
         ds["dissipation"].sel(drive="sheared", case=list(script.SHEARED)),
     )
     assert all(np.isfinite(values).mean() > 0.98 for values in known)  # a run may end early
-    assert script.tables(ds).count("\n") == 2 * 2 + len(script.HEATED) + len(script.SHEARED)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "page"),
+    [("driven_friction", "driven_gases"), ("mixtures", "hard_enough"), ("pressed_cells", "hard_enough")],
+)
+def test_the_docs_have_the_tables_of_the_study(name: str, page: str, study) -> None:
+    script, shown = study(name), (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").splitlines()
+    lines = script.tables(xr.load_dataset(script.STUDY.data)).splitlines()
+    rows = [line for line in lines if line.startswith("| ") and line.strip("| ")[0].isdigit()]
+    rows += [line for line in lines if line.startswith(("| linear", "| hertz"))]
+    assert len(rows) > 5 and [row for row in rows if row not in shown] == []

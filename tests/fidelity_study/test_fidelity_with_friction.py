@@ -8,7 +8,8 @@ import pytest
 
 import hardlimit as hl
 from conftest import refusal
-from hardlimit.boxes import theory
+from hardlimit.boxes import frictional_error, theory
+from hardlimit.boxes.error_law import ShearedErrors
 from hardlimit.fidelity_study.starts import equilibrated
 
 LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.9, friction=hl.Friction(0.5, stiffness_ratio=0.9))
@@ -127,7 +128,7 @@ def test_a_gas_whose_spins_are_heated_is_not_predicted() -> None:
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::hardlimit.CompressionWarning")
-def test_the_temperature_of_a_heated_gas_with_friction_is_predicted() -> None:
+def test_the_temperature_of_a_heated_gas_with_friction_is_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rough gas (μ = 1, ε = 0.9) is too hot: predicted 2.5 ± 0.6 %, measured 2.4 ± 0.9 %."""
     comparison = heated(None, 250.0, 500, 3)
     known = comparison.predicted("law")
@@ -136,11 +137,16 @@ def test_the_temperature_of_a_heated_gas_with_friction_is_predicted() -> None:
     assert abs(measured.value - known.value) < 0.035 and not known.contradicts(measured)
     assert "predicts, in temperature, 2.5" in str(comparison)
     assert "rule law" in comparison.predicted("constant").reason
+    assert not known.extrapolated
+    monkeypatch.setattr(
+        frictional_error, "MEASURED_HEATED", frictional_error.MEASURED_HEATED | {"μ": (0.0, 0.5)}
+    )
+    assert comparison.predicted("law").extrapolated == "heated gases were measured at 0 ≤ μ ≤ 0.5, not at 1"
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::hardlimit.CompressionWarning")
-def test_the_temperature_of_a_sheared_gas_with_friction_is_predicted() -> None:
+def test_the_temperature_of_a_sheared_gas_with_friction_is_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rough gas (μ = 1, ε = 0.9) is too hot: predicted 8.6 ± 1.2 %, measured 9.3 ± 2.6 %; a smooth one: 0.4 %."""
     sides = ["periodic", "lees-edwards", "periodic"]
     start = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, seed=1, rms_spin="equal", boundary=sides)
@@ -158,3 +164,5 @@ def test_the_temperature_of_a_sheared_gas_with_friction_is_predicted() -> None:
     assert abs(measured.value - known.value) < 0.035
     assert not known.contradicts(measured) and not known.extrapolated
     assert "rule constant" in comparison.predicted("constant").reason
+    monkeypatch.setattr(hl.ErrorLaw, "sheared_errors", lambda *_: ShearedErrors(math.nan, math.nan))
+    assert "too large for the theory of so thin a gas" in comparison.predicted("law").reason

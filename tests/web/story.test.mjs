@@ -411,7 +411,12 @@ test("the balls are sliders: mouse, keys, undo", async (t) => {
       [what, low, high],
     );
   const before = await setting();
-  const pause = () => page.waitForTimeout(750); // so that the next change is a step of its own; quicker ones are one
+  // A second passes, so that the next change is a step of its own; quicker ones are one.
+  const pause = () =>
+    page.evaluate(() => {
+      const now = performance.now.bind(performance);
+      performance.now = () => now() + 1000;
+    });
   const [gap, height] = ["Gap", "Height"].map((name) => page.locator(`#duel-box .handle[aria-label^=${name}]`));
   assert.deepEqual(await gap.evaluate((x) => [x.role, x.tabIndex, x.getAttribute("aria-valuetext")]), [
     "slider",

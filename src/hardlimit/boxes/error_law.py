@@ -295,9 +295,7 @@ class ErrorLaw:
         spheres times ``dissipation``; NaN if it is not known."""
         gas = fluid(3, self.packing_fraction)
         fluid_of = {"density": gas.density, "slope": gas.slope, "growth": gas.growth, "tc_nu": x}
-        setting, weight = self._setting, 0.0
-        if self.smooth is not None and setting is not None and self.friction is not None:
-            weight = min(self.friction.coefficient / WEAK, 1.0)
+        setting, weight = self._setting, _weight(self.friction)
         parts = []  # share, contacts, loss of a collision
         if weight < 1.0:
             sliding = frictional_error.Setting(3, self.restitution, SMOOTH, 0.0, spins.SOLID[3])
@@ -322,6 +320,15 @@ class ErrorLaw:
         half_lost = 0.5 * (1.0 - self.restitution**2)
         kinetic, kept = 1.0 - (1.0 - half_lost) * self.stored * x, 1.0 - half_lost * self.delay * x
         return kinetic / kept if kinetic > 0.0 and kept > 0.0 else math.nan
+
+    def outside_driven(self, sheared: bool) -> str:
+        """How this is outside what was measured of sheared or of heated gases, in words; empty if it is inside.
+
+        :meta private:
+        """
+        if self._setting is None:
+            return self.extrapolated
+        return self._setting.outside_driven(self.packing_fraction, sheared)
 
     def no_shear(self) -> str:
         """Why the errors under shear are not known; empty if they are.
@@ -497,7 +504,7 @@ def with_friction(
     setting = frictional_error.Setting(dim, epsilon, friction, theta, q, (powers[0], powers[1]))
     if reason := setting.not_known() or _rule_not_known(smooth.rule):
         raise ValueError(f"friction: {reason}")
-    weak = min(friction.coefficient / WEAK, 1.0)  # of which the terms are in proportion to μ
+    weak = _weight(friction)
     strong = setting._replace(friction=replace(friction, coefficient=max(friction.coefficient, WEAK)))
     delayed = DELAYED - DELAYED_SLOPE * (law.energy - LINEAR.energy)
     terms = frictional_error.terms(strong, *law, delayed)
@@ -533,6 +540,11 @@ def with_friction(
         heated_change=scale * _heated_change(smooth, strong, law, delayed),
         _setting=strong,
     )
+
+
+def _weight(friction: Friction | None) -> float:
+    """Share that the terms of friction have of those at WEAK, below which they are in proportion to μ; 1 above."""
+    return 0.0 if friction is None else min(friction.coefficient / WEAK, 1.0)
 
 
 def _heated_change(

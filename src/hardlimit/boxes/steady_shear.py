@@ -26,8 +26,6 @@ HEIGHTS, ANGLES, SPEEDS, SIZES, DIRECTIONS = 4, 6, 12, 8, 6
 FASTEST: Final = 6.0  #: approach speed, in standard deviations above the mean
 PRECISION: Final = 1e-9
 FAR: Final = 1e3  #: what the balance of impossible velocities counts as
-#: 1 + β below which pairs count as smooth, on average over collisions.
-SMOOTH: Final = 1e-14
 GRADIENT: Final = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  #: u = GRADIENT · r
 
 
@@ -35,7 +33,7 @@ class Rule(NamedTuple):
     """Hard spheres."""
 
     restitution: float
-    beta: Callable[[Floats], Floats]  #: β at each tan γ
+    grip: Callable[[Floats], Floats]  #: 1 + β at each tan γ
     inertia_factor: float
 
 
@@ -64,10 +62,21 @@ class Rates(NamedTuple):
     """What collisions do to a grain in unit time."""
 
     velocity: Floats  #: change of ⟨c c⟩
-    rotation: float  #: change of the rotational energy about the mean spin
+    rotation: float  #: change of I ⟨(ω − ω̄)²⟩/m
+    rotation_gain: float  #: the part of it that does not depend on ω − ω̄
     spin: float  #: change of the spin
-    virial: Floats  #: Σ J d, whose mean is the pressure tensor of collisions over the number density
-    grip: float  #: Σ (1 + β) |g_n|
+    virial: Floats  #: half of Σ J d, the pressure tensor of collisions over the number density
+    grip: float  #: half of Σ (1 + β)
+
+
+class Touching(NamedTuple):
+    """Pairs that touch, over the nodes of the normal, the speed of approach and the tangential velocity."""
+
+    weight: Floats
+    speed: Floats  #: of approach
+    surface: Floats  #: tangential velocity of the surfaces
+    velocity: Floats  #: mean relative peculiar velocity at this surface: along the normal and both tangents
+    spins: Floats  #: mean part of the fluctuations of the spins in this surface
 
 
 def steady(density: float, rule: Rule, loss: float, theta: float) -> State:
@@ -77,34 +86,35 @@ def steady(density: float, rule: Rule, loss: float, theta: float) -> State:
     """
     from scipy import optimize
 
-    # Work 2 η of a thin and of a dense gas, ν of rest: within a factor of two of most states.
-    near = (0.09 / density**2 + 0.3) / loss
+    # Work 2 η of a thin and of a dense gas, ν of rest; less where the flow across a diameter makes impacts faster.
+    slow = (0.09 / density**2 + 0.3) / loss
+    near = slow**2 / (slow + 0.5)
     at_start = collisions(density, rule, Moments(near * np.eye(3), theta * near, -0.5))
-    rubbing = at_start.grip > SMOOTH * density * math.sqrt(near)
+    rubbing = at_start.grip > 0.0
 
     def moments_of(values: Floats) -> Moments:
         x, y, shear = values[1:4].tolist()
         t = math.exp(values[0])
         velocity = t * np.array([[1.0 + x, -shear, 0.0], [-shear, 1.0 + y, 0.0], [0.0, 0.0, 1.0 - x - y]])
-        return Moments(velocity, *((t * float(values[4]), float(values[5])) if rubbing else (0.0, -0.5)))
+        return Moments(velocity, *((t * math.exp(values[4]), float(values[5])) if rubbing else (0.0, -0.5)))
 
     def balance(values: Floats) -> Floats:
         try:
             moments = moments_of(values)
             np.linalg.cholesky(moments.velocity)
             rates = collisions(density, rule, moments, rubbing)
-        except (np.linalg.LinAlgError, OverflowError):  # no such velocities
+            spins = (rates.rotation / rates.rotation_gain, rates.spin / rates.grip) if rubbing else ()
+        except (np.linalg.LinAlgError, ArithmeticError):  # no such velocities
             return np.full(len(values), FAR)
         t, flow = moments.temperature, GRADIENT @ moments.velocity
         change = (rates.velocity - flow - flow.T) / (density * t**1.5)
-        spins = (rates.rotation / (t * rates.grip), rates.spin / rates.grip) if rubbing else ()
         return np.array([change[0, 0], change[1, 1], change[2, 2], change[0, 1], *spins])
 
-    start = np.array([math.log(near), 0.1, -0.05, 0.3, *((theta, -0.5) if rubbing else ())])
+    start = np.array([math.log(near), 0.1, -0.05, 0.3, *((math.log(theta), -0.5) if rubbing else ())])
     root = optimize.root(balance, start, method="hybr", options={"xtol": PRECISION})
+    if not root.success:
+        raise ArithmeticError("no steady state was found")
     moments = moments_of(root.x)
-    if not root.success or moments.rotation < 0.0:
-        raise ArithmeticError("no steady state of this shear was found")
     t = moments.temperature
     pressure = moments.velocity + collisions(density, rule, moments, rubbing).virial
     return State(t, float(moments.rotation / t) if rubbing else math.nan, moments.spin, pressure)
@@ -115,9 +125,45 @@ def collisions(density: float, rule: Rule, moments: Moments, rubbing: bool = Tru
 
     An impulse depends on no more than these, so that velocities and spins enter by their means at given ones.
     """
+    frames, _ = _normals()
+    pairs, q = _touching(moments, rule.inertia_factor, rubbing), rule.inertia_factor
+    grip = rule.grip(np.linalg.norm(pairs.surface, axis=3) / pairs.speed[:, :, None])
+    impulse = np.empty((*grip.shape, 3))  # on the second grain, over its mass
+    impulse[..., 0] = 0.5 * (1.0 + rule.restitution) * pairs.speed[:, :, None]
+    impulse[..., 1:] = (-0.5 / (1.0 + 1.0 / q) * grip)[..., None] * pairs.surface
+
+    def total(values: Floats) -> float:
+        return 2.0 * math.pi * density * float(np.sum(pairs.weight * values))
+
+    def tensor(of_frames: Floats) -> Floats:
+        """Of the means in each frame; the mirror image of the flow cancels components with one z."""
+        whole: Floats = 2.0 * math.pi * density * np.einsum("kai,kab,kbj->ij", frames, of_frames, frames)
+        whole[2, :2] = whole[:2, 2] = 0.0
+        return whole
+
+    weighted = pairs.weight[..., None] * impulse
+    first = np.einsum("kgza,kgzb->kab", weighted, pairs.velocity)
+    second = np.einsum("kgza,kgzb->kab", weighted, impulse)
+    mean = weighted.sum(axis=(1, 2))
+    transferred = np.zeros_like(first)
+    transferred[:, :, 0] = mean  # times the normal
+    gain = 2.0 / q * total(np.sum(impulse[..., 1:] ** 2, axis=3))
+    by_spins = total(np.einsum("kgza,kza->kgz", impulse[..., 1:], pairs.spins))
+    torque = np.cross(frames[:, 0], np.einsum("ka,kai->ki", mean[:, 1:], frames[:, 1:]))[:, 2]
+    # Both grains change by as much; of their velocities only the relative one does, by twice the impulse.
+    return Rates(
+        velocity=tensor(first + first.transpose(0, 2, 1) + 2.0 * second),
+        rotation=2.0 * by_spins + gain,
+        rotation_gain=gain,
+        spin=-4.0 / q * 2.0 * math.pi * density * float(torque.sum()),
+        virial=tensor(transferred),
+        grip=total(grip),
+    )
+
+
+def _touching(moments: Moments, q: float, rubbing: bool) -> Touching:
     frames, share = _normals()  # normal, two tangents
     nodes, speed_weights, turned, turned_weights = _motions(rubbing)
-    q = rule.inertia_factor
     covariance = 2.0 * frames @ moments.velocity @ frames.transpose(0, 2, 1)  # of the relative velocity c
     flow = np.einsum("kai,ij,kj->ka", frames, GRADIENT, frames[:, 0])
     turning = moments.spin * np.cross(np.array([0.0, 0.0, 1.0]), frames[:, 0])
@@ -132,46 +178,18 @@ def collisions(density: float, rule: Rule, moments: Moments, rubbing: bool = Tru
 
     slope = covariance[:, 1:, 0] / covariance[:, :1, 0]
     rest = covariance[:, 1:, 1:] - slope[:, :, None] * covariance[:, None, 0, 1:]  # of c at this speed
-    both = rest + 2.0 * moments.rotation / q * np.eye(2)
+    of_spins = 2.0 * moments.rotation / q
+    both = rest + of_spins * np.eye(2)
     further = np.einsum("kab,zb->kza", np.linalg.cholesky(both), turned)  # by chance
-    of_velocity = np.einsum("kab,kzb->kza", rest @ np.linalg.inv(both), further)
+    spins = of_spins * np.einsum(
+        "kab,kzb->kza", np.linalg.inv(both), further
+    )  # not by a difference: θ may be tiny
     carried = slope[:, None, :] * along[:, :, None]
+    velocity = np.empty((*weight.shape, 3))
+    velocity[..., 0] = along[:, :, None]
+    velocity[..., 1:] = carried[:, :, None, :] + (further - spins)[:, None]
     surface = (drift[:, None, :] + carried)[:, :, None, :] + further[:, None]
-
-    grip = 1.0 + rule.beta(np.linalg.norm(surface, axis=3) / speed[:, :, None])
-    impulse = np.empty((*grip.shape, 3))  # on the second grain, over its mass
-    impulse[..., 0] = 0.5 * (1.0 + rule.restitution) * speed[:, :, None]
-    impulse[..., 1:] = (-0.5 / (1.0 + 1.0 / q) * grip)[..., None] * surface
-    peculiar = np.empty_like(impulse)
-    peculiar[..., 0] = along[:, :, None]
-    peculiar[..., 1:] = carried[:, :, None, :] + of_velocity[:, None]
-    by_spin = np.einsum("kgza,kza->kgz", impulse[..., 1:], further - of_velocity)
-    squared = np.sum(impulse[..., 1:] ** 2, axis=3)
-
-    def total(values: Floats) -> float:
-        return 2.0 * math.pi * density * float(np.sum(weight * values))
-
-    def tensor(of_frames: Floats) -> Floats:
-        """Of the means in each frame; the mirror image of the flow cancels components with one z."""
-        whole: Floats = 2.0 * math.pi * density * np.einsum("kai,kab,kbj->ij", frames, of_frames, frames)
-        whole[2, :2] = whole[:2, 2] = 0.0
-        return whole
-
-    weighted = weight[..., None] * impulse
-    first = np.einsum("kgza,kgzb->kab", weighted, peculiar)
-    second = np.einsum("kgza,kgzb->kab", weighted, impulse)
-    mean = weighted.sum(axis=(1, 2))
-    transferred = np.zeros_like(first)
-    transferred[:, :, 0] = mean  # times the normal
-    # Both grains change by as much; of their velocities only the relative one does, by twice the impulse.
-    torque = np.cross(frames[:, 0], np.einsum("ka,kai->ki", mean[:, 1:], frames[:, 1:]))[:, 2]
-    return Rates(
-        velocity=tensor(first + first.transpose(0, 2, 1) + 2.0 * second),
-        rotation=total(2.0 * by_spin + 2.0 / q * squared),
-        spin=-4.0 / q * 2.0 * math.pi * density * float(torque.sum()),
-        virial=tensor(transferred),
-        grip=total(grip),
-    )
+    return Touching(weight, speed, surface, velocity, spins)
 
 
 @lru_cache(maxsize=1)

@@ -21,7 +21,7 @@ from ..contact.contact import Law
 from ..contact.maxwellian import Means
 from ..support import validation
 from . import spins, steady_shear
-from .box import UNIT_BALL, Floats
+from .box import LARGEST, UNIT_BALL, Floats
 from .system import ParticleSystem
 
 #: Largest packing fraction of the fluid, by dimension: spheres freeze (Hoover & Ree 1968), disks become hexatic
@@ -38,8 +38,6 @@ RATIOS: Final = np.geomspace(1e-12, 1e12, 97)
 PRECISION: Final = 1e-12
 #: tan γ at which β is tabulated for a sheared gas.
 TANGENTS: Final = np.exp(np.linspace(-12.0, 12.0, 601))
-#: Steps of Newton's method, which takes a few.
-STEPS: Final = 60
 
 
 @dataclass(frozen=True)
@@ -238,7 +236,7 @@ class Gas:
         """
         if self.dimension != 3:
             raise ValueError("shear_rate: the theory is that of spheres, not of disks")
-        rate = validation.number("shear_rate", shear_rate, 0.0, lowest_allowed=True)
+        rate = validation.number("shear_rate", shear_rate, 0.0, LARGEST, lowest_allowed=True)
         e = validation.number("restitution", restitution, 0.5, 1.0, lowest_allowed=True)
         eta, phi, chi = 0.5 * (1.0 + e), self.packing_fraction, self.contact_value
         root = math.sqrt(math.pi)
@@ -410,7 +408,7 @@ class RotatingGas:
     gas: Gas  #: the same without rotation
     restitution: float  #: ε
     _means: Callable[[float], Means] = field(repr=False)  #: of (1 + β) g_t² and (1 + β)² g_t² by the ratio λ
-    _beta: Callable[[Floats], Floats] = field(repr=False)  #: β at each tan γ
+    _grip: Callable[[Floats], Floats] = field(repr=False)  #: 1 + β at each tan γ
 
     def mean_collision(self, temperature_ratio: float) -> MeanCollision:
         """Means over the collisions at a temperature ratio θ.
@@ -549,8 +547,8 @@ class RotatingGas:
         Raises
         ------
         ValueError
-            If the shear rate is outside its range, the particles are disks, β is not a finite number at each angle,
-            nothing is dissipated, or no steady state is found.
+            If the shear rate is outside its range, the particles are disks or fill the box, β is not a finite number at
+            each angle, nothing is dissipated, or no steady state is found.
 
         Notes
         -----
@@ -567,22 +565,25 @@ class RotatingGas:
         """
         if self.gas.dimension != 3:
             raise ValueError("shear_rate: the theory is that of spheres, not of disks")
-        flow = validation.number("shear_rate", shear_rate, 0.0)
-        diameter, near = 2.0 * self.gas.radius, 0.5  # θ for a start
+        if not self.gas.packing_fraction < 1.0:
+            raise ValueError(f"volume: got {self.gas.volume:.6g}, must be more than that of the particles")
+        flow = validation.number("shear_rate", shear_rate, 0.0, LARGEST)
+        ratio = self.heated_temperature_ratio()
+        near = ratio if ratio > 0.0 else float(RATIOS[0])  # not NaN; θ for a start
         loss = -self.mean_collision(near).energy_change
         if not loss > PRECISION:
             raise ValueError("restitution: collisions dissipate nothing, must be those of a gas that cools")
-        n = self.gas.n / self.gas.volume
-        beta = self._beta(TANGENTS)  # contacts of a law take longer than all else
-        rule = steady_shear.Rule(
-            self.restitution,
-            lambda tangents: np.interp(np.log(tangents), np.log(TANGENTS), beta),
-            self.gas.inertia_factor,
-        )
+        n, diameter = self.gas.n / self.gas.volume, 2.0 * self.gas.radius
+        # Contacts of a law take longer than all else.
+        grip = interpolated(TANGENTS, self._grip(TANGENTS))
+        rule = steady_shear.Rule(self.restitution, grip, self.gas.inertia_factor)
         try:
             state = steady_shear.steady(n * diameter**3 * self.gas.contact_value, rule, loss, near)
-        except ArithmeticError as error:
-            raise ValueError(f"shear_rate: {error}") from error
+        except ArithmeticError:
+            raise ValueError(
+                f"restitution: got {self.restitution:.6g}, with which no steady shear was found at φ = "
+                f"{self.gas.packing_fraction:.3g}, must dissipate more"
+            ) from None
         unit = (diameter * flow) ** 2
         return ShearedState(
             temperature=unit * state.temperature,
@@ -603,7 +604,7 @@ class RotatingGas:
         ValueError
             As for :meth:`sheared_state`.
         """
-        rate = validation.number("shear_rate", shear_rate, 0.0, lowest_allowed=True)
+        rate = validation.number("shear_rate", shear_rate, 0.0, LARGEST, lowest_allowed=True)
         return rate * rate * self.sheared_state(1.0).temperature
 
     def heated_state(self, translation: Heat, rotation: Heat = NO_HEAT) -> HeatedState | None:
@@ -760,7 +761,12 @@ def _of_rule(gas_of: Gas, e: float, friction: Any, tangential_restitution: Any) 
                 f"friction | tangential_restitution: got {shown} and a function, must be a function alone"
             )
         beta = partial(_checked_restitution, tangential_restitution)
-        return RotatingGas(gas_of, e, lambda ratio: maxwellian.means(beta, ratio, gas_of.dimension), beta)
+        return RotatingGas(
+            gas_of,
+            e,
+            lambda ratio: maxwellian.means(beta, ratio, gas_of.dimension),
+            lambda tangents: 1.0 + beta(tangents),
+        )
     if tangential_restitution is None:
         raise ValueError("tangential_restitution: missing, must be in [-1, 1] or a function of tan γ")
     limits: dict[str, Any] = {"lowest_allowed": True, "highest_allowed": True}
@@ -773,7 +779,7 @@ def _of_rule(gas_of: Gas, e: float, friction: Any, tangential_restitution: Any) 
         gas_of,
         e,
         lambda ratio: maxwellian.walton_means(1.0 + beta0, slope, ratio, gas_of.dimension),
-        lambda tangents: np.minimum(beta0, slope / tangents - 1.0),
+        lambda tangents: np.minimum(1.0 + beta0, slope / tangents),
     )
 
 
@@ -792,7 +798,10 @@ def _of_law(gas_of: Gas, law: Any, speed: Any) -> RotatingGas:
 
     checked = partial(_checked_restitution, beta)
     return RotatingGas(
-        gas_of, e, lambda ratio: maxwellian.means(checked, ratio, gas_of.dimension, beyond), checked
+        gas_of,
+        e,
+        lambda ratio: maxwellian.means(checked, ratio, gas_of.dimension, beyond),
+        lambda tangents: 1.0 + checked(tangents),
     )
 
 
@@ -802,18 +811,30 @@ def tabulated(gas_of: Gas, e: float, tangents: Floats, beta: Floats) -> Rotating
         gas_of,
         e,
         lambda ratio: maxwellian.table_means(tangents, beta, ratio, gas_of.dimension),
-        lambda angles: np.interp(np.log(angles), np.log(tangents), beta),
+        interpolated(tangents, 1.0 + beta),
     )
 
 
+def interpolated(tangents: Floats, values: Floats) -> Callable[[Floats], Floats]:
+    """The function of tan γ through a table, linear in its logarithm."""
+    logarithms = np.log(tangents)
+    return lambda at: np.interp(np.log(at), logarithms, values)
+
+
 def root_with_drag(drag: float) -> float:
-    """y in y³ + drag y² = 1, by Newton's method from above."""
-    y = min(1.0, drag**-0.5) if drag > 0.0 else 1.0
-    for _ in range(STEPS):
-        before, y = y, y - (y**3 + drag * y * y - 1.0) / (3.0 * y * y + 2.0 * drag * y)
-        if abs(y - before) <= PRECISION * y:
-            break
-    return y
+    """y in y³ + drag y² = 1; NaN if the drag is not finite."""
+    from scipy import optimize
+
+    if not drag < math.inf:
+        return math.nan
+    start = min(1.0, drag**-0.5) if drag > 0.0 else 1.0
+    root = optimize.newton(
+        lambda y: y**3 + drag * y * y - 1.0,
+        start,
+        lambda y: 3.0 * y * y + 2.0 * drag * y,
+        tol=PRECISION * start,
+    )
+    return float(root)
 
 
 def _checked_restitution(function: Callable[[Floats], Floats], tangents: Floats) -> Floats:

@@ -74,11 +74,11 @@ class SpeedRange(Quantity):
     """A speed, or the lowest and the highest one as in ``0.1:2m/s``."""
 
     def read(self, option: str, text: str) -> float | tuple[float, float]:
-        low, _, high = text.rpartition(":")
+        low, between, high = text.rpartition(":")
         top: float = super().read(option, high)
         unit = high.lstrip("+-0123456789.eE ")
         bare = low and not low.strip(" +-0123456789.eE")
-        return (super().read(option, low + unit if bare else low), top) if low else top
+        return (super().read(option, low + unit if bare else low), top) if between else top
 
 
 def variable(ctx: click.Context, param: click.Parameter, texts: Sequence[str]) -> dict[str, str]:

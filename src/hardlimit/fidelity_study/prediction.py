@@ -144,13 +144,14 @@ def _driven(f: Fidelity, rule: str, gas: theory.Gas) -> Prediction:
                 reason="with friction it is that of spheres with linear springs under the rule law"
             )
         bar = 2.0 / 3.0 * (1.0 + value) * law.error_bar(at)
-        return Prediction(value, bar, extrapolated=law.extrapolated)
+        return Prediction(value, bar, extrapolated=law.outside_driven(sheared=False))
     if reason := law.no_shear():
         return Prediction(reason=f"the law of the error of shear is not that of {reason}")
     value = law.sheared_errors(at).temperature
+    if math.isnan(value):
+        return Prediction(reason=f"t_c ν = {at:.2g} is too large for the theory of so thin a gas")
     bar = (1.0 + value) * math.hypot(law.error_bar(at), SHEAR_BAR * at)
-    outside = "" if law._setting is None else law._setting.outside_driven(law.packing_fraction, sheared=True)
-    return Prediction(value, bar, extrapolated=outside or law.extrapolated)
+    return Prediction(value, bar, extrapolated=law.outside_driven(sheared=True))
 
 
 def _spinning(f: Fidelity) -> float:

@@ -82,7 +82,7 @@ def largest_stable_time_step(system: ParticleSystem, law: Law, *, tolerance: flo
     """
     contacts.checked_system(system)
     allowed = validation.number("tolerance", tolerance, 0.0, 1.0, lowest_allowed=True, highest_allowed=True)
-    of = _contacts(system, allowed)
+    of = network(system, allowed)
     frequency, step = _limits(_springs(system, contacts.checked_law(law), of))
     counts = of.counts(system.n)
     return xr.Dataset(
@@ -98,7 +98,7 @@ def largest_stable_time_step(system: ParticleSystem, law: Law, *, tolerance: flo
 
 
 @dataclass(frozen=True)
-class _Contacts:
+class Network:
     """Contacts of a state, one row each."""
 
     first: Indices  #: particle
@@ -121,7 +121,8 @@ class _Springs:
     damping: Floats  #: [kg/s]
 
 
-def _contacts(system: ParticleSystem, tolerance: float) -> _Contacts:
+def network(system: ParticleSystem, tolerance: float) -> Network:
+    """Contacts of surfaces whose gap is at most ``tolerance`` times the sum of the radii."""
     first, second = pairs.touching(system, tolerance)
     apart = system.positions[second] - system.positions[first]
     for axis in reversed(range(system.dimension)):  # the axis of the gradient before x
@@ -145,13 +146,13 @@ def _contacts(system: ParticleSystem, tolerance: float) -> _Contacts:
         radius = system.radius[near]
         rows.append((near, np.full(len(near), -1), normal, -gap[near], np.stack([radius, 0.0 * radius])))
     bodies, partners, normals, overlaps, arms = zip(*rows, strict=True)
-    return _Contacts(
+    return Network(
         np.concatenate(bodies), np.concatenate(partners), np.concatenate(normals),
         np.maximum(np.concatenate(overlaps), 0.0), np.concatenate(arms, axis=1),
     )  # fmt: skip
 
 
-def _springs(system: ParticleSystem, law: Law, of: _Contacts) -> _Springs:
+def _springs(system: ParticleSystem, law: Law, of: Network) -> _Springs:
     p, q = (0.25 * power for power in law.record["powers"])
     normal, across = np.zeros((2, 2, len(of.first)))  # stiffness and damping of each contact
     for rows, contact in contacts.of_pairs(system, law, of.first, of.second):
@@ -187,7 +188,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return a[:, :1] * b[:, 1:] - a[:, 1:] * b[:, :1]
 
 
-def _stretching(system: ParticleSystem, of: _Contacts, along: Floats, turns: bool) -> Any:
+def _stretching(system: ParticleSystem, of: Network, along: Floats, turns: bool) -> Any:
     """Rate at which the surfaces of each contact move apart along a direction (rows), over √m v and √I ω (columns)."""
     n, d = system.n, system.dimension
     axes = spins.AXES_OF_ROTATION[d]

@@ -125,7 +125,7 @@ def make_job(
     if system.walls:
         raise ValueError(f"walls: got {', '.join(system.walls)}, must be none that move for engine 'lammps'")
     if system.thermostat is not None:
-        raise ValueError(f"thermostat: got {system.thermostat!r}, must be none for engine 'lammps'")
+        raise ValueError(f"thermostat: got {system.thermostat.report()}, must be none for engine 'lammps'")
     count, keep, *_ = checked_output(samples, log, None, 60.0)
     refuse_fall_past_walls(system, rubs(law))
     refuse_too_soft(system, law)
