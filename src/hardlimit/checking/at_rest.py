@@ -657,6 +657,7 @@ class Load:
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
     unloaded: bool = False  #: whether it is at least this, since a run before prescribed more
+    sparse: bool = False  #: whether grains are too few to cover the floor, and may lie beside each other
     uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
     friction: float = 0.0  #: largest coefficient of the grains
     packing: Packing | None = None  #: as measured in a dump, or given
@@ -864,9 +865,9 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if load.pressure is None:
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
-        bound = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
+        stiffer = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
         used = None if time_step is None else time_step / longest
-        state = replace(state, step_is_bound=bound, step_share=used)
+        state = replace(state, step_is_bound=stiffer or load.sparse, step_share=used)
     if load.pressure is None or not _pairs(contacts):
         return state
     state = _softened(state, contacts, mix)

@@ -20,6 +20,7 @@ from ..convert.force import AdhesiveForce
 from .contacts import Case, restitution_of
 from .scripts import Stage
 from .scripts.description import WALL
+from .scripts.motion import STEEP
 
 #: s by the friction of the grains, between which it is interpolated, and by how much measured ratios with ε from 0.5 to
 #: 0.9 differ from the formula.
@@ -37,8 +38,6 @@ RISE, SCALE, FASTEST = 0.65, 0.9, 0.4
 RESTITUTIONS: Final = (0.4, 0.95)
 #: Settings that resist rolling, or of a code of which that is not read here.
 ROLLING: Final = {"rolling", "rolling_friction", "twisting", "physics"}
-#: Angle [°] from which grains may flow down a slope if no number is known; heaps of glass beads stand up to 20 or more.
-STEEP: Final = 15.0
 #: Froude numbers up to which a drum moves its grains in these ways; beyond, they centrifuge.
 DRUMS: Final = {1e-4: "slumping", 1e-2: "rolling", 0.1: "cascading", 1.0: "cataracting"}
 

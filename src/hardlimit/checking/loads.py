@@ -214,7 +214,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
             return {}
         pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
         origin = f"below a heap of {contents.count:.0f} grains at 45°, as they do not cover the floor"
-        return {"pressure": pressure, "origin": origin, "weight": True, "bound": True}
+        return {"pressure": pressure, "origin": origin, "weight": True, "bound": True, "sparse": True}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
         pressure = weight(contents.filled / contents.floor, density, gravity)

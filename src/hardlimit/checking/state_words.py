@@ -11,6 +11,7 @@ from . import flows
 from .answer import stiffness
 from .at_rest import LAYERS, QUASI_STATIC, RIGID, THROWN, USUAL_STEP, GrainState
 from .result import Verdict
+from .scripts.motion import STEEP
 
 #: What is known of shaken columns: studies/shaken_column.nc.
 BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
@@ -46,7 +47,7 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     elif state.name == "flow":
         parts.append(_needed(state))
         parts.insert(0, _drum(state, plain))
-    elif state.name == "rest" and ((state.tilt or 0.0) >= flows.STEEP or _slides(state)):
+    elif state.name == "rest" and ((state.tilt or 0.0) >= STEEP or _slides(state)):
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))

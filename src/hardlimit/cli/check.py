@@ -515,9 +515,10 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    at_rest = {"speeds", "packing"} if verdict.state.name in ("rest", "pressed", "flow") else set()
+    no_gas = verdict.state.name in ("rest", "pressed", "flow") or verdict.state.grains is not None
+    unasked = {"speeds", "packing"} if no_gas else set()
     estimated = {"speeds"} if any(number.what == "speed" for number in verdict.inferred) else set()
-    missing = [what for what in verdict.missing if what not in at_rest | estimated]
+    missing = [what for what in verdict.missing if what not in unasked | estimated]
     if missing and not any(listed(words) in verdict.sentence for words in (missing, verdict.missing)):
         parts.append(f"Not known: {listed(missing)}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))

@@ -161,6 +161,7 @@ class ContactSettings:
     other_tangential: tuple[tuple[str, Tangential], ...] = ()
     differs: str = ""  #: how it differs in these versions, in words
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
+    sheds: bool = False  #: whether it is a wall off which grains slide wherever they land
 
 
 @dataclass(frozen=True)

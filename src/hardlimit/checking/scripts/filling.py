@@ -9,6 +9,7 @@ import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 Region = tuple[object, ...]
 PLANES: Final = ("xplane", "yplane", "zplane")
 #: Number of words of a region before its options.
-REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6}
+REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6, "plane": 6}
 #: Cosine of the angle up to which gravity counts as along an axis.
 ALONG: Final = 1.0 - 1e-6
 #: Largest component of the direction of gravity along an axis that counts as level.
@@ -131,8 +132,8 @@ def axis_of(style: str, axis: str, k: int) -> int:
     """The axis whose unit the number ``k`` of a region has."""
     if style in ("block", "prism"):
         return k // 2 if k < 6 else 0
-    if style == "sphere":
-        return k if k < 3 else 0
+    if style in ("sphere", "plane"):
+        return k % 3
     along = "xyz".find(axis)
     across = [other for other in range(3) if other != along]
     return across[k] if k < 2 else across[0] if k == 2 else max(along, 0)
@@ -432,12 +433,8 @@ def planes(state: State) -> dict[int, list[float]]:
                 ends = words[at + 1 : at + (2 if state.code == "liggghts" else 3)]
                 values = [state.coefficient(word) for word in ends if word != "NULL"]
                 known.setdefault(k, []).extend(math.nan if value is None else value for value in values)
-        at = words.index("region") + 1 if "region" in words[:-1] else 0
-        region = state.filling.regions.get(words[at]) if at else None
-        if region and region[0] == "block":
-            numbers = [number for number in region if isinstance(number, float)]
-            for k in range(3):
-                known.setdefault(k, []).extend(x for x in numbers[2 * k : 2 * k + 2] if math.isfinite(x))
+        for k, place in (faces_of_region(state, fix) or NO_FACES).flat:
+            known.setdefault(k, []).append(place)
     return known
 
 
@@ -450,13 +447,51 @@ def cylinders(state: State) -> list[tuple[int, float]]:
             if fix.style.startswith("wall/gran") and shape in fix.words[:-1]:
                 radius = state.coefficient(fix.words[fix.words.index(shape) + 1])
                 known.append((k, math.nan if radius is None else radius))
+        if fix.style.startswith("wall/gran"):
+            known += (faces_of_region(state, fix) or NO_FACES).curved
     return known
 
 
+class Faces(NamedTuple):
+    """The faces of a region that are walls: planes by axis and place, cylinders by axis and radius."""
+
+    flat: list[tuple[int, float]]
+    curved: list[tuple[int, float]]
+
+
+NO_FACES: Final = Faces([], [])
+
+
+def faces_of_region(state: State, wall: Fix) -> Faces | None:
+    """The faces of the one region that a wall is; None if it is none, or of another shape."""
+    name = wall.words[wall.words.index("region") + 1] if "region" in wall.words[:-1] else ""
+    parts = [*state.parts_of(name).values()]
+    region = numbers_of(state, parts[0]) if len(parts) == 1 and parts[0] else None
+    if region is None:
+        return None
+    opened = {face for word, face in pairwise(parts[0]) if word == "open"}
+    numbers = [number for number in region if isinstance(number, float)]
+    flat, curved = list[tuple[int, float]](), list[tuple[int, float]]()
+    if region[0] == "block":
+        flat = [(k // 2, x) for k, x in enumerate(numbers) if str(k + 1) not in opened]
+    elif region[0] == "cylinder" and "3" not in opened:
+        axis = AXES.index(str(region[1]))
+        flat = [(axis, x) for face, x in zip("12", numbers[3:], strict=True) if face not in opened]
+        curved = [(axis, numbers[2])]
+    elif region[0] == "plane":
+        normal = numbers[3:]
+        flat = [(k, numbers[k]) for k in range(3) if abs(normal[k]) > ALONG * math.hypot(*normal)]
+    return Faces([face for face in flat if math.isfinite(face[1])], curved) if flat or curved else None
+
+
 def extent(state: State, axes: Sequence[int]) -> float | None:
-    """Product of the edges of the box along these axes: between periodic ends or plane walls, or in one cylinder."""
+    """Product of the edges of the box along these axes: between periodic ends or plane walls, or in one cylinder.
+
+    None if a wall has another shape: it may hold the grains in a part of the box.
+    """
     walls, round_walls = planes(state), cylinders(state)
-    if len(round_walls) > 1:
+    all_walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
+    if len(round_walls) > 1 or not all(has_known_shape(state, fix) for fix in all_walls):
         return None
     sizes, across = [], set[int]()
     for along, radius in round_walls:
@@ -467,7 +502,8 @@ def extent(state: State, axes: Sequence[int]) -> float | None:
     for k in axes:
         if k in across:
             continue
-        ends = state.filling.box.get(k) if state.filling.periodic(k) else walls.get(k)
+        open_sides = state.filling.periodic(k) and k not in walls
+        ends = state.filling.box.get(k) if open_sides else walls.get(k)
         if ends is None or len(set(ends)) != 2:
             return None
         sizes.append(max(ends) - min(ends))
@@ -490,20 +526,17 @@ def floor_of(state: State, stage: Stage) -> tuple[float | None, bool]:
         return None, False
     axis = max(range(state.dimension), key=lambda k: abs(down[k]))
     across = [k for k in range(state.dimension) if k != axis]
-    closed = [k for k in across if not state.filling.periodic(k)]
-    walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
-    others = [fix for fix in walls if not has_known_shape(state, fix)]
-    if any(abs(down[k]) > LEVEL for k in closed) or (closed and others):
+    walls = planes(state)
+    closed = [k for k in across if not state.filling.periodic(k) or k in walls]
+    if any(abs(down[k]) > LEVEL for k in closed):
         return None, False
     return extent(state, across), bool(closed or cylinders(state))
 
 
 def has_known_shape(state: State, wall: Fix) -> bool:
     """Whether a wall is made of planes, or is a cylinder."""
-    at = wall.words.index("region") + 1 if "region" in wall.words[:-1] else 0
-    region = state.filling.regions.get(wall.words[at]) if at else None
     round_or_plane = {*PLANES, *(f"{axis}cylinder" for axis in AXES)}
-    return bool(region and region[0] == "block") or not round_or_plane.isdisjoint(wall.words)
+    return faces_of_region(state, wall) is not None or not round_or_plane.isdisjoint(wall.words)
 
 
 def falls(state: State, stage: Stage) -> Iterator[Speed]:

@@ -25,6 +25,8 @@ STEADY: Final = Motion((0.0, 0.0, 0.0), 0.0)
 UNKNOWN: Final = Motion()
 AXES: Final = ("x", "y", "z")
 TILTS: Final = ("xy", "xz", "yz")
+#: Angle [°] from which grains may flow down a slope if no number is known; heaps of glass beads stand up to 20 or more.
+STEEP: Final = 15.0
 #: Styles of ``fix deform`` and ``change_box`` with their numbers of values.
 STYLES: Final = {
     **{"final": 2, "delta": 2, "scale": 1, "vel": 1, "erate": 1, "trate": 1, "volume": 0, "wiggle": 2},
@@ -78,6 +80,8 @@ def driven(state: State) -> Driven:
             others.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
         elif "servo" in fix.style or (fix.style.startswith("wall/gran") and measured(state, fix.words)):
             pressed.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
+        elif fix.style.startswith("wall/gran") and sheds(state, fix):
+            others.append(Note("the fall down a mesh that is open below", None, fix.statement.quote))
         elif fix.style.startswith("langevin") and (thermostat := bath(state, fix)) is not None:
             baths.append(thermostat)
     if len(rates) + len(baths) > 1:
@@ -461,6 +465,20 @@ def of_mesh(state: State, name: str) -> Motion | None:
         if fix.words[fix.words.index("mesh") + 1] == name
     ]
     return strongest(motions, gravity.down(state))
+
+
+def sheds(state: State, wall: Fix) -> bool:
+    """Whether a wall of LIGGGHTS is the only one and a mesh off which grains slide wherever they land."""
+    walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
+    names = wall.words[wall.words.index("meshes") + 1 :] if "meshes" in wall.words else ()
+    count = wall.words[wall.words.index("n_meshes") + 1] if "n_meshes" in wall.words[:-1] else ""
+    down, mesh = gravity.down(state), state.fixes.get((*names, "")[0])
+    if len(walls) > 1 or count != "1" or down is None or mesh is None:
+        return False
+    if of_mesh(state, names[0]) is not None or of_surface(state, names[0]) is not None:
+        return False
+    corners = corners_of_mesh(state, mesh.words)
+    return corners is not None and meshes.sheds(corners, down, STEEP)
 
 
 def of_surface(state: State, name: str) -> Motion | None:
