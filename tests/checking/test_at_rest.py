@@ -632,6 +632,31 @@ def test_a_wall_that_is_a_region_bounds_the_floor(regions, area):
         assert resting.pressure_is_bound is (area < 1.0)
 
 
+def test_spheres_in_two_dimensions_have_the_weight_of_spheres():
+    """Σ m g over the width, with radii drawn uniformly: 4/3 π ρ ⟨r³⟩ each; LAMMPS: 248.6 with 1000 of 0.25 to 0.5."""
+    text = """units lj
+dimension 2
+atom_style sphere
+boundary p f p
+region box block 0 100 0 50 -0.5 0.5
+create_box 1 box
+pair_style gran/hertz/history 4000.0 NULL 100.0 NULL 0.5 0
+pair_coeff * *
+region slab block 1 99 30 34.5 -0.5 0.5
+fix ins all pour 1000 1 4767548 vol 0.4 10 diam range 0.5 1.0 region slab
+fix floor all wall/gran hertz/history 4000.0 NULL 100.0 NULL 0.5 0 yplane 0 NULL
+fix fall all gravity 1.0 vector 0 -1 0
+fix move all nve/sphere{disc}
+timestep 0.001
+run 25000
+"""
+    cubes = (1.0 - 0.5**4) / 4.0 / 8.0 / 0.5
+    spheres, disks = state(text.format(disc="")), state(text.format(disc=" disc"))
+    assert spheres.pressure == pytest.approx(1000 * 4.0 / 3.0 * math.pi * cubes / 100.0)
+    assert spheres.pressure == pytest.approx(2.486, rel=0.02)
+    assert disks.pressure == pytest.approx(spheres.pressure)  # disc changes the moment of inertia only
+
+
 def test_the_step_of_grains_that_do_not_cover_the_floor_is_a_bound():
     """They may lie beside each other. In LAMMPS 100 grains do, and 1.5 times the longest step of a bed is stable."""
     few = hl.check(script(CLIPPED, FALL, WALL).replace("boundary p p p", "boundary p p f"))
@@ -927,6 +952,13 @@ def test_a_slope_is_said(gravity, tilt):
     verdict = hl.check(script(CLIPPED, FALL.replace("vector 0 0 -1", gravity), WALL), height=0.1)
     assert verdict.state.tilt == pytest.approx(tilt, abs=1e-6)
     assert (f"tilted by {tilt:g}°: if they flow, --shear" in verdict.sentence) is (tilt > 15.0)
+    # In LAMMPS, 3000 grains of ε = 0.4 flow down 26° faster than 4 √(g d).
+    assert ("grains rest or flow in lasting contact" in verdict.sentence) is (tilt > 15.0)
+    # A flow has fewer contacts and larger overlaps.
+    assert ("Grains are under" in verdict.sentence, "overlap" in verdict.sentence) == (
+        tilt > 15.0,
+        tilt < 15.0,
+    )
 
 
 @pytest.mark.parametrize("kind", SHAKEN)

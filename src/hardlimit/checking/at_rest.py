@@ -26,6 +26,7 @@ from ..boxes.box import UNIT_BALL
 from ..convert.force import AdhesiveForce, Force
 from . import mixture
 from .contacts import AGREEMENT, Body, Case, restitution_of
+from .scripts.motion import STEEP
 
 #: Stiffness number from which grains count as rigid.
 RIGID: Final = 1e4
@@ -673,6 +674,7 @@ class Load:
     froude_number: float | None = None  #: of a drum
     centrifuging_radius: float | None = None  #: of a drum of Froude number 1
     layers: int = LAYERS  #: below which numbers are given if the pressure is not known
+    highest: float = math.inf  #: height of the box, which they do not exceed
     speed_unit: float = 1.0  #: 1 m/s
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it
 
@@ -710,8 +712,10 @@ class GrainState:
     stiffness_unit: str | None = None  #: this unit; empty in lj units
     pressure_for_rigid: float | None = None  #: [Pa] up to which κ_p is at least 10⁴, if p is not known
     height_for_rigid: float | None = None  #: [m] of a bed with this pressure at its bottom
-    layers: int | None = None  #: if p is not known: 100, or fewer of few grains, as in a slender column
+    #: If p is not known: 100, or fewer of few grains, as in a slender column, or in a lower box.
+    layers: int | None = None
     layers_height: float | None = None  #: [m] of these layers
+    layers_fill: bool = False  #: whether they are fewer because they fill the box
     layers_stiffness_number: float | None = None  #: κ_p below them
     layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
@@ -752,6 +756,15 @@ class GrainState:
         if self.inertial_number is not None:
             return self.regime in (None, "collisional")
         return border is not None and slope is not None and slope[1] >= border
+
+    @property
+    def may_slide(self) -> bool:
+        """Whether grains may flow down a slope of this angle, as deep layers do.
+
+        :meta private:
+        """
+        slope = self.slope_inertial_number
+        return slope[1] > 0.0 if slope is not None else (self.tilt or 0.0) >= STEEP
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -905,14 +918,16 @@ def _supposed(
     state, under = replace(state, pressure_for_rigid=border), list(contacts)
     if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
         heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
-        pressure = load.concentration * heavy * load.layers * diameter
+        layers = max(1, min(load.layers, math.ceil(min(load.highest / diameter, LAYERS))))
+        pressure = load.concentration * heavy * layers * diameter
         under = softened([replace(contact, packing=packing, pressure=pressure) for contact in contacts])
         below = _softened(state, under, mixed(under, load.kinds))
         state = replace(
             state,
             height_for_rigid=border / heavy,
-            layers=load.layers,
-            layers_height=load.layers * diameter,
+            layers=layers,
+            layers_height=layers * diameter,
+            layers_fill=layers < load.layers,
             layers_stiffness_number=below.stiffness_number,
             layers_overlap=below.overlap,
         )

@@ -47,7 +47,7 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     elif state.name == "flow":
         parts.append(_needed(state))
         parts.insert(0, _drum(state, plain))
-    elif state.name == "rest" and ((state.tilt or 0.0) >= STEEP or _slides(state)):
+    elif state.name == "rest" and ((state.tilt or 0.0) >= STEEP or state.may_slide):
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
@@ -75,11 +75,6 @@ def _inertial(state: GrainState) -> str:
 def _flows(state: GrainState) -> bool:
     """Whether grains flow too fast for the contacts of a packing at rest, or may do so."""
     return state.inertial_number is not None and state.regime != "quasi-static"
-
-
-def _slides(state: GrainState) -> bool:
-    """Whether a deep layer may flow down a slope of this angle."""
-    return state.slope_inertial_number is not None and state.slope_inertial_number[1] > 0.0
 
 
 def _slope(state: GrainState) -> str:
@@ -143,7 +138,7 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
     least, most = (" ≤", "at least ") if state.pressure_is_least else (least, most)
     shown = f"{'p = ' * plain}{_pressure(state.pressure, plain, dimension, 3)}"
-    verb = VERBS["pressed" if _slides(state) else state.name]
+    verb = VERBS["pressed" if state.may_slide else state.name]
     text = f"{verb} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
     kappa = state.stiffness_number
     if kappa is None or state.regime == "collisional":
@@ -153,7 +148,7 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
         return f"{text} without the adhesion, which adds to the overlap; rigid from κ_p = 1e4 on"
     # A bound above this says nothing.
     deep = state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST
-    if not (_flows(state) or _slides(state) or deep):  # flows have fewer contacts and larger overlaps
+    if not (_flows(state) or state.may_slide or deep):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
         if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
             overlap = "more than half"  # which no contact law describes
@@ -183,6 +178,7 @@ def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str
     kappa, overlap = digits(state.layers_stiffness_number or 0.0, 2), percent(state.layers_overlap or 0.0)
     number = state.layers or LAYERS
     few = ", as in a slender column" if number < LAYERS else ""
+    few = ", as high as the box" if state.layers_fill else few
     below = f"Below {number} layers ({heights[0]}{few}) κ_p = {kappa}, overlap {overlap} of R"
     rigid = (
         f"rigid (1e4) below {heights[1]}" if depth >= layers / number else "not rigid (1e4) below one layer"
@@ -211,7 +207,7 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    if (_flows(state) or _slides(state)) and state.overlap is not None:
+    if (_flows(state) or state.may_slide) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
         yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 1 to 8 times that."
     elif state.deepest_overlap is not None:

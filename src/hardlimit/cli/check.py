@@ -220,8 +220,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
             for g in shown
         ]
         table(["run", "contact", *HEAD, WORSE.get(verdict.quantity or "", "")], lines, stages)
-    if len(shown) < len(groups):
-        say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
+    if (more := len(groups) - len(shown)) > 0:
+        say(f"… and {more} more contact{'s' * (more > 1)}: --verbose")
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
@@ -392,8 +392,8 @@ def title(verdict: Verdict) -> str:
         and row.types[1] != "wall"
         and verdict.has_plain(row) == (verdict.units == "lj")
     ]
-    if speeds and min(speeds) < max(speeds):
-        ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
+    ends = "–".join(dict.fromkeys(digits(v, 3) for v in (min(speeds, default=0.0), max(speeds, default=0.0))))
+    if "–" in ends:
         parts.append(
             f"{'speeds ' if verdict.units == 'lj' else ''}{ends}{'' if verdict.units == 'lj' else ' m/s'}"
         )
