@@ -71,6 +71,8 @@ LAYERS: Final = 100
 SLENDER: Final = 10.0
 #: Froude number from which on a drum throws its grains (cataracting: Mellmann, Powder Technol. 118, 251 (2001)).
 THROWN: Final = 0.1
+#: Froude number from which on blades that turn about gravity throw grains.
+STIRRED: Final = 1.0
 #: Radius over the diameter of grains of the narrowest drum.
 NARROWEST: Final = 2.0
 #: The part of the contact duration that is usually taken as the time step.
@@ -673,6 +675,7 @@ class Load:
     rest_angle: float | None = None  #: [°] below which such a layer comes to rest
     froude_number: float | None = None  #: of a drum
     centrifuging_radius: float | None = None  #: of a drum of Froude number 1
+    mixer_froude_number: float | None = None  #: of what turns about gravity, at the side of the box
     layers: int = LAYERS  #: below which numbers are given if the pressure is not known
     highest: float = math.inf  #: height of the box, which they do not exceed
     speed_unit: float = 1.0  #: 1 m/s
@@ -743,6 +746,9 @@ class GrainState:
     froude_number: float | None = None  #: Fr = ω²R/g of a drum
     rolling_radius: float | None = None  #: 0.01 g/ω² [m], with Fr = 0.01, if such a drum holds grains
     centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
+    mixer_froude_number: float | None = (
+        None  #: ω²R/g of blades that turn about gravity, at the side of the box
+    )
 
     @property
     def may_separate(self) -> bool:
@@ -755,6 +761,8 @@ class GrainState:
             return True
         if self.inertial_number is not None:
             return self.regime in (None, "collisional")
+        if (self.mixer_froude_number or 0.0) >= STIRRED:
+            return True
         return border is not None and slope is not None and slope[1] >= border
 
     @property
@@ -866,6 +874,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         froude_number=load.froude_number,
         rolling_radius=_rolling_radius(load, diameter),
         centrifuging_radius=load.centrifuging_radius,
+        mixer_froude_number=load.mixer_froude_number,
     )
     if (
         load.pressure is not None

@@ -134,6 +134,7 @@ def flowing(question: answer.Question, grains: GrainState, gravity: bool) -> ans
     where = "a flow under gravity in"
     if grains.inertial_number is None:
         where = "a slope on" if grains.froude_number is None else "a drum in"
+        where = where if grains.mixer_froude_number is None else "a mixer in"
     known = grains.regime == "collisional"
     how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
     return replace(question, driven=how)

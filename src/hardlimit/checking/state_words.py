@@ -102,6 +102,9 @@ def _drum(state: GrainState, plain: bool) -> str:
     if state.froude_number is not None:
         froude = state.froude_number
         return f"The drum turns with Fr = ω²R/g = {digits(froude, 2)}: {flows.way_of(froude)}"
+    if state.mixer_froude_number is not None:
+        at = f"Fr = ω²R/g = {digits(state.mixer_froude_number, 2)} at the side of the box"
+        return f"What turns about gravity has {at}; it throws grains from about 1 on"
     if state.centrifuging_radius is None:
         return ""
     radii = (state.rolling_radius or 0.0, THROWN * state.centrifuging_radius, state.centrifuging_radius)

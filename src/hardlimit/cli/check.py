@@ -220,8 +220,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
             for g in shown
         ]
         table(["run", "contact", *HEAD, WORSE.get(verdict.quantity or "", "")], lines, stages)
-    if (more := len(groups) - len(shown)) > 0:
-        say(f"… and {more} more contact{'s' * (more > 1)}: --verbose")
+    if hidden := len(groups) - len(shown):
+        say(f"… and {hidden} more contact{'s' * (hidden > 1)}: --verbose")
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")

@@ -357,7 +357,7 @@ def _drum(state: State, words: Sequence[str]) -> Motion:
     known = [number for number in numbers if number is not None]
     if angle is None or angle.style != "equal" or len(known) < 6:
         return STEADY
-    formula = state.variables.substitute(angle.values[0])
+    formula = _in_time(state, state.variables.substitute(angle.values[0]))
     angles = [state.variables.number(TIME.sub(f"({time})", formula)) for time in (0.0, 1.0, 2.0)]
     size, values = math.hypot(*known[3:]), [value for value in angles if value is not None]
     if len(values) < 3 or not size or not math.isclose(values[2] - values[1], values[1] - values[0]):
@@ -405,9 +405,14 @@ def by_variables(state: State, words: Sequence[str]) -> Motion | None:
     return oscillation(state, [parts.get(axis, ("0", ""))[0] for axis in AXES], periods.pop())
 
 
+def _in_time(state: State, formula: str) -> str:
+    """A formula of steps as one of time."""
+    return STEPS.sub(f"(time/{state.step_now()!r})", formula)
+
+
 def _wave(state: State, formula: str) -> tuple[str, str] | None:
     """Amplitude and period of c + A sin(ω t + φ), written with one sine or cosine of ``time``, or of steps."""
-    in_time = STEPS.sub(f"(time/{state.step_now()!r})", formula)
+    in_time = _in_time(state, formula)
     waves = list(WAVE.finditer(in_time))
     if len(waves) != 1 or not TIME.search(in_time):
         return None
