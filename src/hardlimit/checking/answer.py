@@ -266,8 +266,9 @@ def _invalid(invalidates: Sequence[Finding]) -> str:
     first = invalidates[0]
     kinds = tuple(dict.fromkeys(first.types or ()))
     where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
-    others = f" and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
-    return f"No: {first.what}{where}{others}, which no event-driven simulation can follow."
+    more = len(invalidates) - 1
+    others = f" (and {more} other reason{'s' * (more > 1)})" if more else ""
+    return f"No: {first.what}{where}, which no event-driven simulation can follow{others}."
 
 
 def _off(row: CheckedContact, question: Question) -> str:

@@ -887,9 +887,9 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if load.pressure is None:
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
-        stiffer = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
+        unsure = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
         used = None if time_step is None else time_step / longest
-        state = replace(state, step_is_bound=stiffer or load.sparse, step_share=used)
+        state = replace(state, step_is_bound=unsure or load.sparse, step_share=used)
     if load.pressure is None or not _pairs(contacts):
         return state
     state = _softened(state, contacts, mix)

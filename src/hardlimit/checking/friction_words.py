@@ -34,7 +34,7 @@ def words(frictions: Sequence[CheckedFriction]) -> str:
     if friction.coefficient is None:
         return "μ is not known"
     parts = [_angles(friction), _restitution(friction), _period(frictions)]
-    unknown = "tangential model not understood" if friction.model is None else "depends on what is not known"
+    unknown = "tangential model not understood" if friction.model is None else "β is not known"
     known = "; ".join(filter(None, parts)) or friction.not_known or unknown
     return f"μ {digits(friction.coefficient, 3)}: {known}"
 

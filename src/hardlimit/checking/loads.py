@@ -209,11 +209,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         origin = f"below {around.length(around.bed.height)} of grains"
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
-    density, phi, contents = (
-        _density(around, kinds, stage.contents.lots),
-        around.packing.packing_fraction,
-        stage.contents,
-    )
+    contents, phi = stage.contents, around.packing.packing_fraction
+    density = _density(around, kinds, contents.lots)
     if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
             return {}

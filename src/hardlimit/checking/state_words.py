@@ -149,13 +149,11 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     text += f": κ_p{least} {digits(kappa, 2)}"
     if state.overlap is None:
         return f"{text} without the adhesion, which adds to the overlap; rigid from κ_p = 1e4 on"
-    # A bound above this says nothing.
-    deep = state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST
-    if not (_flows(state) or state.may_slide or deep):  # flows have fewer contacts and larger overlaps
+    if _too_deep(state):
+        text += ", softer than contact laws describe" * (not state.pressure_is_bound)
+    elif not (_flows(state) or state.may_slide):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
-        if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
-            overlap = "more than half"  # which no contact law describes
-        elif state.overlap_range is not None and state.pressure_is_least:
+        if state.overlap_range is not None and state.pressure_is_least:
             overlap = percent(state.overlap_range[0])
         elif state.overlap_range is not None and not most and not overlap.startswith("less"):
             low, high = map(percent, state.overlap_range)
@@ -167,6 +165,11 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     bound = " or less" if state.pressure_is_bound else " or more" if state.pressure_is_least else ""
     needed = f"{stiffness(state.stiffness)} of {value}{bound}"
     return f"{text}; {'still rigid (1e4) at' if kappa >= RIGID else 'rigid grains (1e4) take'} {needed}"
+
+
+def _too_deep(state: GrainState) -> bool:
+    """Whether the overlap is larger than any that contact laws describe."""
+    return (state.overlap or 0.0) > compression.DEEPEST
 
 
 def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str:
@@ -210,7 +213,9 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    if (_flows(state) or state.may_slide) and state.overlap is not None:
+    if _too_deep(state):
+        pass
+    elif (_flows(state) or state.may_slide) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
         yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 1 to 8 times that."
     elif state.deepest_overlap is not None:
