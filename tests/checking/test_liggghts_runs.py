@@ -184,6 +184,23 @@ def test_grains_from_an_unknown_place_fall_through_the_box_at_most():
     assert speed_of(script.replace("gravity 9.81", "gravity 0")) == []
 
 
+@pytest.mark.parametrize(
+    ("steps", "falls"), [(100_000, True), (120_000, True), (200_000, False), (300_000, False)]
+)
+def test_runs_that_end_during_the_fall_are_said(steps, falls):
+    """0.1 m/s at first, through 20 cm: half of them takes 0.13 s, the whole 0.19 s. LIGGGHTS: such grains still fall."""
+    pack = INSERT.format(name="ins", velocity=-0.1, much="volumefraction_region 0.1")
+    script = head() + GRAVITY + SPHERE + DISTRIBUTION + pack + FLOOR + MOVE + "run 1\n"
+    verdict = hl.check(script + f"run {steps} upto\n")
+    said = [remark for remark in verdict.remarks if "grains still fall" in remark]
+    assert len(said) == falls and verdict.state.name == "rest"
+    fallen = 100.0 * (0.1 * 0.1 + 0.5 * 9.81 * 0.1**2)
+    if steps == 100_000:
+        assert said == [
+            f"The runs end after 100 ms, while grains still fall: {fallen:.1f} cm of up to 20 cm."
+        ]
+
+
 # --- bounds -----------------------------------------------------------------------------------------------------
 
 

@@ -117,6 +117,7 @@ def checked_script(script: Description, options: Options, frames: Sequence[dumps
             *notes.versions,
             *dict.fromkeys(note for system in systems for note in system.remarks(several)),
             *remarks.numerically_damped(last.numerical_damping, final.examined),
+            *(remarks.still_falling(runs) if runs and grains.name == "rest" else ()),
         ),
         warnings=findings.warnings(script, rows),
         corrected=tuple(

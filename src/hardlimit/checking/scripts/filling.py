@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 #: The style of a region and its numbers in absolute units.
 Region = tuple[object, ...]
 PLANES: Final = ("xplane", "yplane", "zplane")
+AT_MOST: Final = "at most"  #: in the words of a speed that is a bound
 #: Number of words of a region before its options.
 REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6, "plane": 6}
 #: Cosine of the angle up to which gravity counts as along an axis.
@@ -575,8 +576,8 @@ def falls(state: State, stage: Stage) -> Iterator[Speed]:
         height = fall if fall is not None and 0.0 < fall < math.inf else 0.0
         if height or start:
             place = " within the box" if unknown or not insertion.poured else " from the insertion region"
-            place += " (at most: through the whole of it)" if unknown else ""
-            place += "" if below or unknown else " (at most: to the end of the box)"
+            place += f" ({AT_MOST}: through the whole of it)" if unknown else ""
+            place += "" if below or unknown else f" ({AT_MOST}: to the end of the box)"
             yield fallen(height, start, stage.gravity, place)
 
 
