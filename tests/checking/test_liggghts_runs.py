@@ -188,7 +188,7 @@ def test_grains_from_an_unknown_place_fall_through_the_box_at_most():
     ("steps", "falls"), [(100_000, True), (120_000, True), (200_000, False), (300_000, False)]
 )
 def test_runs_that_end_during_the_fall_are_said(steps, falls):
-    """0.1 m/s at first, through 20 cm: half of them takes 0.13 s, the whole 0.19 s. LIGGGHTS: such grains still fall."""
+    """From 0.1 m/s, half of 20 cm takes 0.13 s, the whole 0.19 s. In runs of LIGGGHTS such grains still fall."""
     pack = INSERT.format(name="ins", velocity=-0.1, much="volumefraction_region 0.1")
     script = head() + GRAVITY + SPHERE + DISTRIBUTION + pack + FLOOR + MOVE + "run 1\n"
     verdict = hl.check(script + f"run {steps} upto\n")
