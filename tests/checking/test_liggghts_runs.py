@@ -1,5 +1,7 @@
 """What scripts of LIGGGHTS say of their runs, where runs of LIGGGHTS once showed something else."""
 
+import math
+
 import pytest
 
 import hardlimit as hl
@@ -92,6 +94,31 @@ def test_spheres_of_two_sizes_have_no_number():
         read(head() + GRAVITY + SPHERE + other + both + PACK + FLOOR + MOVE + "run 9\n").stages[-1].contents
     )
     assert contents.count is None and contents.filled == pytest.approx(0.1 * 0.1 * 0.1 * 0.2)
+
+
+def test_grains_that_are_inserted_again_and_again_have_a_largest_number():
+    """At the first step and every 1000 ones. In LIGGGHTS 4 x 250 lie beside each other on a wide floor."""
+    again = INSERT.replace("insert_every once", "insert_every 1000")
+    pack = again.format(name="ins", velocity=-0.5, much="particles_in_region 250")
+    begin = (
+        head().replace("boundary f f f", "boundary p p f") + GRAVITY + SPHERE + DISTRIBUTION + pack + FLOOR
+    )
+    runs = "run 1\nrun {steps}\nunfix ins\nrun 500000\n"
+    few = begin + MOVE + runs.format(steps=3000)
+    contents = read(few).stages[-1].contents
+    assert contents.count is None and contents.most == 1000
+    assert contents.most_filled == pytest.approx(1000 * 4.0 / 3.0 * math.pi * 1e-9)
+    assert hl.check(few).sentence.startswith("No: grains, too few to cover the floor, come to rest")
+    many = hl.check(begin + MOVE + runs.format(steps=40_000))
+    assert "No: grains rest on each other" in many.sentence and many.state.pressure_is_bound
+    weight = 41 * 250 * 4.0 / 3.0 * math.pi * 1e-9 * 2500.0 * 9.81 / 0.01
+    assert many.state.pressure == pytest.approx(weight) and "below 10250 grains" in many.sentence
+    # A number of steps that is not known, or a total number, leaves no bound of this kind.
+    assert (
+        read(few.replace("run 3000", "run ${long}"), variables={"long": "3000"}).stages[-1].contents.most
+        == 1000
+    )
+    assert read(few.replace("insert_every 1000", "insert_every 0")).stages[-1].contents.most is None
 
 
 @pytest.mark.parametrize(

@@ -209,7 +209,7 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         origin = f"below {around.length(around.bed.height)} of grains"
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
-    contents, phi = stage.contents, around.packing.packing_fraction
+    contents, phi = stage.contents.at_most, around.packing.packing_fraction
     density = _density(around, kinds, contents.lots)
     if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
@@ -257,6 +257,7 @@ def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]
 
 def less_than_a_layer(contents: Contents, dimension: int) -> bool:
     """Whether grains are too few to cover the floor."""
+    contents = contents.at_most
     if not (contents.count and contents.filled and contents.floor):
         return False
     radius: float = (contents.filled / contents.count / UNIT_BALL[dimension]) ** (1.0 / dimension)

@@ -48,6 +48,17 @@ class Insertion(NamedTuple):
 
 
 @dataclass
+class Repeated:
+    """Grains that a fix inserts again and again."""
+
+    statement: Statement
+    lot: int  #: place among those of the census
+    each: Lot  #: of one insertion, at most
+    every: int  #: steps
+    steps: int = 0  #: of all runs with this fix
+
+
+@dataclass
 class Filling:
     """The box, the grains that are made in it, and their velocities."""
 
@@ -61,6 +72,7 @@ class Filling:
     heat: list[Speed] = field(default_factory=list)  #: of velocities drawn at random
     drifts: dict[str, tuple[float | None, ...]] = field(default_factory=dict)  #: velocities of groups
     velocities_known: bool = True  #: whether none of them is unknown
+    repeated: list[Repeated] = field(default_factory=list)
     #: Least distance of grains placed at random since the last run; infinite without them.
     apart: float = math.inf
 
@@ -260,12 +272,11 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: 
         return state.coefficient(fix.words[fix.words.index(name) + 1]) if name in fix.words[:-1] else None
 
     filling, share, count = state.filling, number("volumefraction_region"), number("nparticles")
-    mass = number("mass")
-    if "once" in fix.words:
+    mass, total = number("mass"), number("nparticles")
+    again = fix.style.startswith("insert/pack") and "once" not in fix.words
+    if again or "once" in fix.words:
         count = number("particles_in_region") if count is None else count
         mass = number("mass_in_region") if mass is None else mass
-    elif fix.style.startswith("insert/pack"):
-        share = count = mass = None
     name = (*fix.words[fix.words.index("region") + 1 :], "")[0] if "region" in fix.words else ""
     means = alike(radii)
     poured(state, fix, kind, count, means)
@@ -275,6 +286,33 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: 
         filling.census.lots[-1] = census.of_volume(kind, share * space, means)
     elif count is None and mass is not None and densities is not None and densities[0] == densities[1]:
         filling.census.lots[-1] = census.of_volume(kind, mass / densities[0], means)
+    if not again:
+        return
+    each, every = filling.census.lots[-1], number("insert_every")
+    filling.census.lots[-1] = census.lot(kind, None, means)
+    if every and every >= 1.0 and total is None:
+        filling.repeated.append(Repeated(fix.statement, len(filling.census.lots) - 1, each, int(every)))
+
+
+def lengthen(state: State, steps: int | None) -> None:
+    """More steps of the fixes that insert grains again and again; without their number no bound is known."""
+    active = {fix.statement.quote for fix in state.fixes.values()}
+    running = [each for each in state.filling.repeated if each.statement.quote in active]
+    for each in running:
+        each.steps += steps or 0
+    if steps is None:
+        state.filling.repeated = [each for each in state.filling.repeated if each not in running]
+
+
+def at_most(state: State) -> Census | None:
+    """The census with as many grains as fixes that insert again and again make at most; None without such fixes."""
+    filling = state.filling
+    lots = list(filling.census.lots)
+    for each in filling.repeated:
+        if each.lot < len(lots) and lots[each.lot].kind == each.each.kind:
+            lots[each.lot] = each.each.times(1 + each.steps // each.every)
+    moving = [lot for lot in lots if not state.frozen(lot.kind)]
+    return replace(filling.census, lots=moving) if filling.repeated else None
 
 
 def streamed(state: State, fix: Fix, volume_rate: float | None) -> None:
@@ -386,9 +424,12 @@ def contents(state: State, stage: Stage) -> Contents:
     free = any(fix.style.endswith("6dof") for fix in state.fixes.values())
     stated = stated if stream is None else (streams.speed(stream),)
     moving = replace(filling.census, lots=[lot for lot in filling.census.lots if not state.frozen(lot.kind)])
+    most = at_most(state)
     return Contents(
         count=moving.count,
         filled=moving.filled(state.dimension),
+        most=None if most is None else most.count,
+        most_filled=None if most is None else most.filled(state.dimension),
         volume=volume(state),
         speeds=(*stated, *(falls(state, stage) if stream is None else ())),
         stream=stream.packing_fraction if stream is not None and stream.along_face else None,
