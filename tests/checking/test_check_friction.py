@@ -160,7 +160,7 @@ def test_what_is_not_known_is_left_out() -> None:
     damped = script.replace("1e5 0.8 damping coeff_restitution", "1e5 5e3 damping mass_velocity")
     unsized = hl.check(unsized_of(damped.replace("9e4 0 0.5", "9e4 0.5 0.5")), code="lammps").rows[0].friction
     assert unsized.coefficient == 0.5 and unsized.damping_ratio == pytest.approx(0.5)
-    assert words([unsized]) == "μ 0.5: depends on what is not known"
+    assert words([unsized]) == "μ 0.5: β is not known"
 
 
 def test_a_model_that_is_not_understood_says_so() -> None:

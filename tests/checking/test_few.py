@@ -51,6 +51,35 @@ def test_without_a_speed_it_is_chosen_and_said():
     assert verdict.admissible is None
 
 
+def test_few_grains_are_not_asked_for_a_packing():
+    """They are no gas, and their speed may be in the script; a single grain without walls meets nothing."""
+    two = LINED_UP.replace("run 10", "velocity one set 0.3 0 0\nvelocity two set -0.3 0 0\nrun 10")
+    verdict = hl.check(two)
+    assert (
+        "Cannot be said: the law of the error is that of a gas of many grains. Two grains" in verdict.sentence
+    )
+    assert "at 0.6 m/s" in verdict.sentence and "known" not in f"{verdict}"
+    alone = hl.check(two.replace("create_atoms 1 single 0.8 0.5 0.5\n", "").replace("velocity two", "#"))
+    assert alone.state.never_meet and "no grain meets another" in alone.sentence
+
+
+LINED_UP = """units si
+atom_style sphere
+region b block 0 1 0 1 0 1
+create_box 1 b
+create_atoms 1 single 0.2 0.5 0.5
+create_atoms 1 single 0.8 0.5 0.5
+group one id 1
+group two id 2
+set group all diameter 2e-3 density 2500
+pair_style granular
+pair_coeff * * hooke 1e4 0.8 damping coeff_restitution tangential linear_nohistory 0 0
+fix i all nve/sphere
+timestep 1e-6
+run 10
+"""
+
+
 def test_a_fall_gives_the_speed_of_one_grain():
     verdict = hl.check(pair(f"{FACET}, sphere((0, 0, 0.5), 0.01)", gravity=-9.81))
     state = verdict.state

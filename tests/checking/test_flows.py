@@ -193,6 +193,27 @@ def test_a_cylinder_about_its_axis_has_a_froude_number():
     fast = text("lammps_turning_drum", ("equal PI*time", "equal 8*PI*(time-1)"))
     assert hl.check(fast).state.froude_number == pytest.approx(64 * math.pi**2 * 0.025 / 9.81)
     assert "centrifuging" in hl.check(fast).sentence
+    by_steps = text("lammps_turning_drum", ("equal PI*time", "equal PI*step*5e-6"))
+    assert hl.check(by_steps).state.froude_number == pytest.approx(verdict.state.froude_number)
+
+
+@pytest.mark.parametrize(("rate", "collisional"), [(2.0, False), (5.0, False), (6.0, True), (20.0, True)])
+def test_blades_that_turn_about_gravity_may_throw_grains(rate, collisional):
+    """At ω²R/g = 1.1 at the side of the box, grains in LAMMPS had 0.5 contacts on average."""
+    blade = "block -0.02 0.02 -0.002 0.002 0 0.005 side out rotate v_angle 0 0 0 0 0 1"
+    mixer = text(
+        "lammps_turning_drum",
+        ("equal PI*time", f"equal {rate}*PI*time"),
+        ("cylinder z 0 0 0.025 INF INF rotate v_angle 0 0 0 0 0 1", blade),
+        ("vector 0 -1 0", "vector 0 0 -1"),
+        ("boundary f f p", "boundary f f f"),
+    )
+    verdict = hl.check(mixer)
+    froude = (rate * math.pi) ** 2 * 0.03 / 9.81
+    assert verdict.state.mixer_froude_number == pytest.approx(froude)
+    assert verdict.admissible is (None if collisional else False) and (froude >= 1.0) is collisional
+    assert ("a mixer in which contacts may not last" in verdict.sentence) is collisional
+    assert hl.check(text("lammps_turning_drum")).state.mixer_froude_number is None
 
 
 @pytest.mark.parametrize(

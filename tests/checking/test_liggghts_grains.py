@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import hardlimit as hl
 from hardlimit.checking import at_rest
@@ -584,14 +585,14 @@ PLATE = np.array(
 )
 
 
-def written(path, binary):
-    """The plate as an STL file."""
+def written(path, binary, triangles=PLATE):
+    """The plate, or other triangles, as an STL file."""
     if binary:
-        records = np.zeros(len(PLATE), meshes.BINARY)
-        records["corners"] = PLATE
-        path.write_bytes(b" " * 80 + len(PLATE).to_bytes(4, "little") + records.tobytes())
+        records = np.zeros(len(triangles), meshes.BINARY)
+        records["corners"] = triangles
+        path.write_bytes(b" " * 80 + len(triangles).to_bytes(4, "little") + records.tobytes())
         return
-    corners = ["".join(f"vertex {x} {y} {z}\n" for x, y, z in triangle) for triangle in PLATE]
+    corners = ["".join(f"vertex {x} {y} {z}\n" for x, y, z in triangle) for triangle in triangles]
     facets = "".join(f"facet normal 0 0 1\nouter loop\n{text}endloop\nendfacet\n" for text in corners)
     path.write_text(f"solid plate\n{facets}endsolid plate\n", encoding="utf-8")
 
@@ -620,6 +621,72 @@ def test_a_force_acts_on_the_area_of_a_mesh(tmp_path, binary):
         0.001 / 0.1**2
     )  # larger than the box
     assert pressure(level.replace("file plane.stl", "file none.stl")) == pytest.approx(0.001 / 0.1**2)
+
+
+def turned_box(faces, rotation):
+    """Triangles of some faces of a unit cube, by axis and side, after a rotation."""
+    corners = []
+    for axis, side in faces:
+        square = np.insert(np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float), axis, side, axis=1)
+        corners += [square[[0, 1, 2]], square[[0, 2, 3]]]
+    return np.array(corners) @ rotation.as_matrix().T
+
+
+SIDES = [(0, 0), (0, 1), (1, 0), (1, 1)]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_meshes_that_hold_nothing(seed):
+    """A grain stays on a gentle face, in a gentle valley and in a hollow; it leaves tubes, slopes and steep gutters."""
+    random = np.random.default_rng(seed)
+    axis, angle = random.normal(size=3) * (1, 1, 0), random.uniform(-80.0, 80.0)
+    tilt = Rotation.from_rotvec(math.radians(angle) * axis / np.linalg.norm(axis))
+    around, down = Rotation.from_euler("z", random.uniform(0, 360), degrees=True), (0.0, 0.0, -1.0)
+
+    def sheds(faces, rotation):
+        return meshes.sheds(turned_box(faces, rotation), down, 15.0)
+
+    assert sheds([(2, 0)], tilt) is (abs(angle) >= 15.0)
+    assert sheds(SIDES, around) and not sheds([*SIDES, (2, 0)], around)
+    # Two faces that meet below in an edge at this angle.
+    for slope in (0.0, 10.0, 20.0, 40.0):
+        gutter = (
+            around
+            * Rotation.from_euler("y", slope, degrees=True)
+            * Rotation.from_euler("x", 45, degrees=True)
+        )
+        assert sheds([(1, 0), (2, 0)], gutter) is (slope > 15.0)
+    corner = Rotation.align_vectors([(0, 0, 1)], [(1, 1, 1)])[0]
+    hollow = around * corner  # a corner of a cube, lowest
+    assert not sheds([(0, 0), (1, 0), (2, 0)], hollow)
+    assert sheds([(0, 1), (1, 1), (2, 1)], hollow)  # and highest
+    assert not meshes.sheds(
+        np.concatenate([turned_box(SIDES, around), turned_box(SIDES, around) + 5.0]), down, 15.0
+    )
+
+
+def test_grains_do_not_rest_on_a_chute(tmp_path):
+    """In LIGGGHTS they bounce down one with 1.2 m/s and 0.03 contacts per grain, and leave the box."""
+    path = tmp_path / "in.chute"
+    mesh = "fix chute all mesh/surface file plane.stl type 1 scale 0.001 rotate axis 0 1 0 angle {angle}\n"
+    wall = "fix w all wall/gran model hertz tangential history mesh n_meshes 1 meshes chute\n"
+    written(tmp_path / "plane.stl", False, PLATE[:2])
+
+    def checked(angle, more=""):
+        path.write_text(
+            head() + SPHERE + PACK + GRAVITY + mesh.format(angle=angle) + wall + more + MOVE, "utf-8"
+        )
+        return hl.check(path)
+
+    chute = checked(30)
+    assert (
+        chute.admissible is None
+        and "the fall down a mesh that is open below drives this box" in chute.sentence
+    )
+    assert checked(5).state.name == "rest"
+    assert checked(30, WALL).state.name == "rest"
+    moved = checked(30, LIFT.format(1).replace("mesh lid", "mesh chute"))
+    assert moved.state.name != "gas"
 
 
 # --- walls that move ----------------------------------------------------------------------------------------------

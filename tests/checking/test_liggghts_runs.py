@@ -1,5 +1,7 @@
 """What scripts of LIGGGHTS say of their runs, where runs of LIGGGHTS once showed something else."""
 
+import math
+
 import pytest
 
 import hardlimit as hl
@@ -94,6 +96,31 @@ def test_spheres_of_two_sizes_have_no_number():
     assert contents.count is None and contents.filled == pytest.approx(0.1 * 0.1 * 0.1 * 0.2)
 
 
+def test_grains_that_are_inserted_again_and_again_have_a_largest_number():
+    """At the first step and every 1000 ones. In LIGGGHTS 4 x 250 lie beside each other on a wide floor."""
+    again = INSERT.replace("insert_every once", "insert_every 1000")
+    pack = again.format(name="ins", velocity=-0.5, much="particles_in_region 250")
+    begin = (
+        head().replace("boundary f f f", "boundary p p f") + GRAVITY + SPHERE + DISTRIBUTION + pack + FLOOR
+    )
+    runs = "run 1\nrun {steps}\nunfix ins\nrun 500000\n"
+    few = begin + MOVE + runs.format(steps=3000)
+    contents = read(few).stages[-1].contents
+    assert contents.count is None and contents.most == 1000
+    assert contents.most_filled == pytest.approx(1000 * 4.0 / 3.0 * math.pi * 1e-9)
+    assert hl.check(few).sentence.startswith("No: grains, too few to cover the floor, come to rest")
+    many = hl.check(begin + MOVE + runs.format(steps=40_000))
+    assert "No: grains rest on each other" in many.sentence and many.state.pressure_is_bound
+    weight = 41 * 250 * 4.0 / 3.0 * math.pi * 1e-9 * 2500.0 * 9.81 / 0.01
+    assert many.state.pressure == pytest.approx(weight) and "below 10250 grains" in many.sentence
+    # A number of steps that is not known, or a total number, leaves no bound of this kind.
+    assert (
+        read(few.replace("run 3000", "run ${long}"), variables={"long": "3000"}).stages[-1].contents.most
+        == 1000
+    )
+    assert read(few.replace("insert_every 1000", "insert_every 0")).stages[-1].contents.most is None
+
+
 @pytest.mark.parametrize(
     "count,words", [(10, "grains, too few to cover the floor, come to rest"), (9000, "grains rest on")]
 )
@@ -182,6 +209,23 @@ def test_grains_from_an_unknown_place_fall_through_the_box_at_most():
     assert speed_of(script) == pytest.approx([(1.0 + 2.0 * 9.81 * 0.2) ** 0.5])
     assert "at most: through the whole of it" in hl.check(script).inferred[0].source
     assert speed_of(script.replace("gravity 9.81", "gravity 0")) == []
+
+
+@pytest.mark.parametrize(
+    ("steps", "falls"), [(100_000, True), (120_000, True), (200_000, False), (300_000, False)]
+)
+def test_runs_that_end_during_the_fall_are_said(steps, falls):
+    """From 0.1 m/s, half of 20 cm takes 0.13 s, the whole 0.19 s. In runs of LIGGGHTS such grains still fall."""
+    pack = INSERT.format(name="ins", velocity=-0.1, much="volumefraction_region 0.1")
+    script = head() + GRAVITY + SPHERE + DISTRIBUTION + pack + FLOOR + MOVE + "run 1\n"
+    verdict = hl.check(script + f"run {steps} upto\n")
+    said = [remark for remark in verdict.remarks if "grains still fall" in remark]
+    assert len(said) == falls and verdict.state.name == "rest"
+    fallen = 100.0 * (0.1 * 0.1 + 0.5 * 9.81 * 0.1**2)
+    if steps == 100_000:
+        assert said == [
+            f"The runs end after 100 ms, while grains still fall: {fallen:.1f} cm of up to 20 cm."
+        ]
 
 
 # --- bounds -----------------------------------------------------------------------------------------------------

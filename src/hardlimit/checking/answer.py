@@ -52,7 +52,7 @@ NEVER_MEET: Final = (
     "acts on all alike, and there is no wall"
 )
 
-
+OF_MANY: Final = "the law of the error is that of a gas of many grains"
 BOUNCE: Final = "elastic grains bounce for ever under gravity"
 
 
@@ -69,6 +69,7 @@ class Question:
     may_be_dense: bool = False  #: whether it is a shear flow whose pressure is not known
     drive_option: str = ""  #: the one that states what drives it, which excludes a speed
     never_meet: bool = False  #: whether no grain meets another or a wall
+    few: bool = False  #: whether there are one or two grains, or those that meet walls only
 
 
 def answer(
@@ -95,6 +96,8 @@ def answer(
     unclear = any(row.friction.coefficient is None for row in rubbing)
     if rubbing and len(known) < len(pairs) and (unclear or not missing):
         return None, f"Cannot be said: {_rubs(rubbing, question)}."
+    if question.few:
+        return None, f"Cannot be said: {OF_MANY}."
     if missing or len(known) < len(pairs) or not known:
         return None, f"Cannot be said: {_not_known(missing, question)}."
     worst = max(known, key=lambda row: sum(_error(row, question)))
@@ -263,8 +266,9 @@ def _invalid(invalidates: Sequence[Finding]) -> str:
     first = invalidates[0]
     kinds = tuple(dict.fromkeys(first.types or ()))
     where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
-    others = f" and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
-    return f"No: {first.what}{where}{others}, which no event-driven simulation can follow."
+    more = len(invalidates) - 1
+    others = f" (and {more} other reason{'s' * (more > 1)})" if more else ""
+    return f"No: {first.what}{where}, which no event-driven simulation can follow{others}."
 
 
 def _off(row: CheckedContact, question: Question) -> str:

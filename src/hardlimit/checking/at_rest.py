@@ -26,6 +26,7 @@ from ..boxes.box import UNIT_BALL
 from ..convert.force import AdhesiveForce, Force
 from . import mixture
 from .contacts import AGREEMENT, Body, Case, restitution_of
+from .scripts.motion import STEEP
 
 #: Stiffness number from which grains count as rigid.
 RIGID: Final = 1e4
@@ -70,6 +71,8 @@ LAYERS: Final = 100
 SLENDER: Final = 10.0
 #: Froude number from which on a drum throws its grains (cataracting: Mellmann, Powder Technol. 118, 251 (2001)).
 THROWN: Final = 0.1
+#: Froude number from which on blades that turn about gravity throw grains.
+STIRRED: Final = 1.0
 #: Radius over the diameter of grains of the narrowest drum.
 NARROWEST: Final = 2.0
 #: The part of the contact duration that is usually taken as the time step.
@@ -657,6 +660,7 @@ class Load:
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
     unloaded: bool = False  #: whether it is at least this, since a run before prescribed more
+    sparse: bool = False  #: whether grains are too few to cover the floor, and may lie beside each other
     uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
     friction: float = 0.0  #: largest coefficient of the grains
     packing: Packing | None = None  #: as measured in a dump, or given
@@ -671,7 +675,9 @@ class Load:
     rest_angle: float | None = None  #: [°] below which such a layer comes to rest
     froude_number: float | None = None  #: of a drum
     centrifuging_radius: float | None = None  #: of a drum of Froude number 1
+    mixer_froude_number: float | None = None  #: of what turns about gravity, at the side of the box
     layers: int = LAYERS  #: below which numbers are given if the pressure is not known
+    highest: float = math.inf  #: height of the box, which they do not exceed
     speed_unit: float = 1.0  #: 1 m/s
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it
 
@@ -709,8 +715,10 @@ class GrainState:
     stiffness_unit: str | None = None  #: this unit; empty in lj units
     pressure_for_rigid: float | None = None  #: [Pa] up to which κ_p is at least 10⁴, if p is not known
     height_for_rigid: float | None = None  #: [m] of a bed with this pressure at its bottom
-    layers: int | None = None  #: if p is not known: 100, or fewer of few grains, as in a slender column
+    #: If p is not known: 100, or fewer of few grains, as in a slender column, or in a lower box.
+    layers: int | None = None
     layers_height: float | None = None  #: [m] of these layers
+    layers_fill: bool = False  #: whether they are fewer because they fill the box
     layers_stiffness_number: float | None = None  #: κ_p below them
     layers_overlap: float | None = None  #: δ/R below them
     largest_stable_step: float | None = None  #: longest stable time step [s]
@@ -738,6 +746,9 @@ class GrainState:
     froude_number: float | None = None  #: Fr = ω²R/g of a drum
     rolling_radius: float | None = None  #: 0.01 g/ω² [m], with Fr = 0.01, if such a drum holds grains
     centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
+    mixer_froude_number: float | None = (
+        None  #: ω²R/g of blades that turn about gravity, at the side of the box
+    )
 
     @property
     def may_separate(self) -> bool:
@@ -750,7 +761,18 @@ class GrainState:
             return True
         if self.inertial_number is not None:
             return self.regime in (None, "collisional")
+        if (self.mixer_froude_number or 0.0) >= STIRRED:
+            return True
         return border is not None and slope is not None and slope[1] >= border
+
+    @property
+    def may_slide(self) -> bool:
+        """Whether grains may flow down a slope of this angle, as deep layers do.
+
+        :meta private:
+        """
+        slope = self.slope_inertial_number
+        return slope[1] > 0.0 if slope is not None else (self.tilt or 0.0) >= STEEP
 
     def to_dict(self) -> dict[str, Any]:
         """As plain values.
@@ -852,6 +874,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
         froude_number=load.froude_number,
         rolling_radius=_rolling_radius(load, diameter),
         centrifuging_radius=load.centrifuging_radius,
+        mixer_froude_number=load.mixer_froude_number,
     )
     if (
         load.pressure is not None
@@ -864,9 +887,9 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if load.pressure is None:
         state = _supposed(state, load, bed, contacts, diameter, len(moving))
     if longest := state.largest_stable_step:
-        bound = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
+        unsure = (load.bound or load.unloaded) and not all(contact.linear for contact in contacts)
         used = None if time_step is None else time_step / longest
-        state = replace(state, step_is_bound=bound, step_share=used)
+        state = replace(state, step_is_bound=unsure or load.sparse, step_share=used)
     if load.pressure is None or not _pairs(contacts):
         return state
     state = _softened(state, contacts, mix)
@@ -904,14 +927,16 @@ def _supposed(
     state, under = replace(state, pressure_for_rigid=border), list(contacts)
     if load.gravity and load.density and load.name != "pressed" and border is not None and diameter:
         heavy = weight(1.0, packing.packing_fraction * load.density, load.gravity)
-        pressure = load.concentration * heavy * load.layers * diameter
+        layers = max(1, min(load.layers, math.ceil(min(load.highest / diameter, LAYERS))))
+        pressure = load.concentration * heavy * layers * diameter
         under = softened([replace(contact, packing=packing, pressure=pressure) for contact in contacts])
         below = _softened(state, under, mixed(under, load.kinds))
         state = replace(
             state,
             height_for_rigid=border / heavy,
-            layers=load.layers,
-            layers_height=load.layers * diameter,
+            layers=layers,
+            layers_height=layers * diameter,
+            layers_fill=layers < load.layers,
             layers_stiffness_number=below.stiffness_number,
             layers_overlap=below.overlap,
         )

@@ -392,6 +392,8 @@ def holds(stage: Stage, contact: ContactSettings) -> bool:
     """Whether a wall, or grains that do not move, may stop the fall of grains; true if the directions are not known."""
     if contact.types[1] != WALL:
         return fixed(stage, contact.types)
+    if contact.sheds:
+        return False
     if stage.down is None or contact.pushes is None:
         return True
     return any(sum(p * g for p, g in zip(push, stage.down, strict=True)) < -1e-12 for push in contact.pushes)

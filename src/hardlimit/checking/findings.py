@@ -91,10 +91,12 @@ def held_together(grains: GrainState, options: Options, lasting: Iterable[Findin
     elif options.load.rests and grains.name != "gas" and all(finding.types for finding in findings):
         how = "flow in lasting contact" if grains.name == "flow" else "are pressed together"
         yield Finding(RESTS if grains.name == "rest" else f"grains {how}")
-    slides = grains.slope_inertial_number is not None and grains.slope_inertial_number[0] > 0.0
-    moves = RESTS_OR_FLOWS if grains.name == "flow" or slides else RESTS
+    slides = grains.slope_inertial_number
+    surely = grains.may_slide if slides is None else slides[0] > 0.0
+    moves = RESTS_OR_FLOWS if grains.name == "flow" or surely else RESTS
     for finding in findings:
-        yield finding._replace(what=finding.what.replace(RESTS, moves))
+        sparse = finding.what.replace(SPARSE, RESTS if moves == RESTS_OR_FLOWS else SPARSE)
+        yield finding._replace(what=sparse.replace(RESTS, moves))
 
 
 def rest(support: drive.Support, count: float | None, otherwise: str) -> str:

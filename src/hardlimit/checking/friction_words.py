@@ -34,7 +34,7 @@ def words(frictions: Sequence[CheckedFriction]) -> str:
     if friction.coefficient is None:
         return "μ is not known"
     parts = [_angles(friction), _restitution(friction), _period(frictions)]
-    unknown = "tangential model not understood" if friction.model is None else "depends on what is not known"
+    unknown = "tangential model not understood" if friction.model is None else "β is not known"
     known = "; ".join(filter(None, parts)) or friction.not_known or unknown
     return f"μ {digits(friction.coefficient, 3)}: {known}"
 
@@ -84,7 +84,8 @@ def _period(frictions: Sequence[CheckedFriction]) -> str:
     known = [count for count in steps if count is not None]
     ends = "–".join(dict.fromkeys(str(count) for count in (min(known), max(known)))) if known else ""
     shown = digits(period, 2) if period < 10.0 else f"{period:.0f}"
-    return f"tangential half period {shown} t_c{f', {ends} steps' if ends else ''}"
+    count = f", {ends} step{'s' * (ends != '1')}" if ends else ""
+    return f"tangential half period {shown} t_c{count}"
 
 
 def _degrees(angle: float) -> str:

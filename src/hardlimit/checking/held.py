@@ -90,7 +90,7 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
     stage, loaded = final.last, final.options.load.rests or final.options.drive
     count, (_, length, time) = stage.contents.count, SCALES[stage.units]
     many = count is None or count > FEW
-    falls = many or bool(stage.gravity)  # few others are asked for an impact
+    falls = many or count == 1 or bool(stage.gravity)  # two others are asked for an impact
     overruled = loaded or around.state is not None or (final.options.speeds and not many)
     if falls and stage.contents.never_meet and grains.name == "gas" and not overruled:
         return replace(grains, never_meet=True)
@@ -134,6 +134,7 @@ def flowing(question: answer.Question, grains: GrainState, gravity: bool) -> ans
     where = "a flow under gravity in"
     if grains.inertial_number is None:
         where = "a slope on" if grains.froude_number is None else "a drum in"
+        where = where if grains.mixer_froude_number is None else "a mixer in"
     known = grains.regime == "collisional"
     how = "a collisional flow under gravity" if known else f"{where} which contacts may not last"
     return replace(question, driven=how)

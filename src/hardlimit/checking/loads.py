@@ -18,7 +18,7 @@ from .at_rest import Load, Packing, most_layers, pressed, settled, weight
 from .contacts import Body, Case
 from .drive import Support
 from .scripts import Stage
-from .scripts.description import DENSEST, FEW, WALL, Contents
+from .scripts.description import DENSEST, FEW, WALL, Contents, Lot
 from .supplied import SCALES
 
 #: Packing fractions that a bed may have, by dimension; others are not those of the grains at rest.
@@ -141,9 +141,10 @@ def load_of(
         kinds=kinds,
         shear_rate=rate,
         gravity=stage.gravity,
-        density=_density(around, kinds),
+        density=_density(around, kinds, stage.contents.lots),
         shaking=support.shaking,
         layers=most_layers(stage.contents.count, around.dimension),
+        highest=_height(stage) or stage.contents.height or math.inf,
         concentration=stage.contents.concentration,
         speed_unit=around.speed_unit,
     )
@@ -208,13 +209,14 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         origin = f"below {around.length(around.bed.height)} of grains"
         bound = around.bed.walled
         return {"pressure": around.bed.mass * gravity, "origin": origin, "weight": True, "bound": bound}
-    density, phi, contents = _density(around, kinds), around.packing.packing_fraction, stage.contents
+    contents, phi = stage.contents.at_most, around.packing.packing_fraction
+    density = _density(around, kinds, contents.lots)
     if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
             return {}
         pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
         origin = f"below a heap of {contents.count:.0f} grains at 45°, as they do not cover the floor"
-        return {"pressure": pressure, "origin": origin, "weight": True, "bound": True}
+        return {"pressure": pressure, "origin": origin, "weight": True, "bound": True, "sparse": True}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
         pressure = weight(contents.filled / contents.floor, density, gravity)
@@ -255,6 +257,7 @@ def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]
 
 def less_than_a_layer(contents: Contents, dimension: int) -> bool:
     """Whether grains are too few to cover the floor."""
+    contents = contents.at_most
     if not (contents.count and contents.filled and contents.floor):
         return False
     radius: float = (contents.filled / contents.count / UNIT_BALL[dimension]) ** (1.0 / dimension)
@@ -283,7 +286,7 @@ def _own_density(body: Body, dimension: int) -> float | None:
     return body.density if dimension == 3 else None
 
 
-def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
+def _density(around: Around, kinds: Sequence[mixture.Kind], lots: Sequence[Lot]) -> float | None:
     """Density of the grains that move, in two dimensions that of disks; None if one is not known.
 
     Of grains of several types it is the mean by volume if their numbers are known, else the largest.
@@ -293,6 +296,8 @@ def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
     known = [density for body in moving if (density := _own_density(body, around.dimension))]
     if not known or len(known) < len(moving):
         return None
+    if around.dimension == 2 and (mean := _of_spheres(moving, known, lots)) is not None:
+        return mean
     of_type = {
         case.types[0]: body.mass / (UNIT_BALL[3] * body.radius**3)
         for case in around.cases
@@ -304,6 +309,18 @@ def _density(around: Around, kinds: Sequence[mixture.Kind]) -> float | None:
     volumes = [kind.share * kind.radius**3 for kind in kinds]
     masses = [v * (k.density or of_type[k.type]) for v, k in zip(volumes, kinds, strict=True)]
     return math.fsum(masses) / math.fsum(volumes)
+
+
+def _of_spheres(moving: Sequence[Body], densities: Sequence[float], lots: Sequence[Lot]) -> float | None:
+    """Mean density of disks by area, where it grows with their radius, as the mass of a sphere does; else None."""
+    of_radius = [
+        density / body.radius for density, body in zip(densities, moving, strict=True) if body.radius
+    ]
+    areas, cubes = [lot.squares for lot in lots], [lot.cubes for lot in lots]
+    alike = bool(of_radius) and math.isclose(min(of_radius), max(of_radius), rel_tol=1e-9)
+    if not alike or not lots or None in areas or None in cubes:
+        return None
+    return of_radius[0] * math.fsum(x or 0.0 for x in cubes) / math.fsum(x or 0.0 for x in areas)
 
 
 def bed_of_system(system: ParticleSystem) -> dumps.Bed | None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ..support.formatting import digits, listed, percent
+from ..support.formatting import digits, length, listed, percent, quantity
 from . import cases, corrections, drive
 from .contacts import COMPRESSED, Case, CheckedContact, Surroundings
 from .options import CHOSEN_SPEEDS, Options
+from .scripts import Stage
+from .scripts.filling import AT_MOST
+from .supplied import SCALES
 
 
 def _known_speeds(
@@ -52,6 +56,27 @@ def _no_speed(
         reason or "sizes or masses are not known, or the restitution is outside the range of kinetic theory"
     )
     yield f"No speed from {driven.words(plain)}: {reason}."
+
+
+def still_falling(runs: Sequence[Stage]) -> Iterator[str]:
+    """That the runs of a system end while most grains fall from where they are inserted."""
+    last = runs[-1]
+    times = [
+        math.nan if run.steps is None or run.time_step is None else run.steps * run.time_step for run in runs
+    ]
+    falls = [speed for speed in last.contents.speeds if speed.height and AT_MOST not in speed.source]
+    if not falls or not last.gravity:
+        return
+    fall, lasted, gravity = max(falls, key=lambda speed: speed.height or 0.0), math.fsum(times), last.gravity
+    height = fall.height or 0.0
+    start = math.sqrt(max(fall.value**2 - 2.0 * gravity * height, 0.0))
+    fallen = start * lasted + 0.5 * gravity * lasted**2
+    if fallen < 0.5 * height:
+        _, metre, second = SCALES[last.units]
+        plain = last.units == "lj"
+        shown = [digits(x, 2) if plain else length(float(f"{x * metre:.2g}")) for x in (fallen, height)]
+        time = digits(lasted, 2) if plain else quantity(lasted * second, "s", 2)
+        yield f"The runs end after {time}, while grains still fall: {shown[0]} of up to {shown[1]}."
 
 
 def missing(

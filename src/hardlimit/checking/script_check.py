@@ -79,7 +79,9 @@ def checked_script(script: Description, options: Options, frames: Sequence[dumps
     question = held.flowing(final.question, grains, bool(last.gravity))
     if elastic and grains.name == "gas" and supports and supports[-1].rests and not script.unknown:
         question = replace(question, driven=answer.BOUNCE)
-    final = replace(final, question=replace(question, never_meet=grains.never_meet))
+    final = replace(
+        final, question=replace(question, never_meet=grains.never_meet, few=grains.grains is not None)
+    )
     systems = [final if system.last is last else system for system in systems]
     invalidates = [findings.of_note(note) for note in script.invalidates]
     invalidates += findings.held_together(
@@ -115,6 +117,7 @@ def checked_script(script: Description, options: Options, frames: Sequence[dumps
             *notes.versions,
             *dict.fromkeys(note for system in systems for note in system.remarks(several)),
             *remarks.numerically_damped(last.numerical_damping, final.examined),
+            *(remarks.still_falling(runs) if runs and grains.name == "rest" else ()),
         ),
         warnings=findings.warnings(script, rows),
         corrected=tuple(

@@ -11,6 +11,7 @@ from . import flows
 from .answer import stiffness
 from .at_rest import LAYERS, QUASI_STATIC, RIGID, THROWN, USUAL_STEP, GrainState
 from .result import Verdict
+from .scripts.motion import STEEP
 
 #: What is known of shaken columns: studies/shaken_column.nc.
 BEADS = "in a shaken column of N beads all models agree up to about N(1 − ε) = 1"
@@ -46,7 +47,7 @@ def sentence(state: GrainState, plain: bool, dimension: int) -> str:
     elif state.name == "flow":
         parts.append(_needed(state))
         parts.insert(0, _drum(state, plain))
-    elif state.name == "rest" and ((state.tilt or 0.0) >= flows.STEEP or _slides(state)):
+    elif state.name == "rest" and ((state.tilt or 0.0) >= STEEP or state.may_slide):
         parts.insert(0, _slope(state))
     if state.regime != "collisional":
         parts.append(_step(state, plain))
@@ -76,11 +77,6 @@ def _flows(state: GrainState) -> bool:
     return state.inertial_number is not None and state.regime != "quasi-static"
 
 
-def _slides(state: GrainState) -> bool:
-    """Whether a deep layer may flow down a slope of this angle."""
-    return state.slope_inertial_number is not None and state.slope_inertial_number[1] > 0.0
-
-
 def _slope(state: GrainState) -> str:
     """How a deep layer flows down a slope."""
     tilted = f"Gravity is tilted by {digits(state.tilt or 0.0, 2)}°"
@@ -106,6 +102,9 @@ def _drum(state: GrainState, plain: bool) -> str:
     if state.froude_number is not None:
         froude = state.froude_number
         return f"The drum turns with Fr = ω²R/g = {digits(froude, 2)}: {flows.way_of(froude)}"
+    if state.mixer_froude_number is not None:
+        at = f"Fr = ω²R/g = {digits(state.mixer_froude_number, 2)} at the side of the box"
+        return f"What turns about gravity has {at}; it throws grains from about 1 on"
     if state.centrifuging_radius is None:
         return ""
     radii = (state.rolling_radius or 0.0, THROWN * state.centrifuging_radius, state.centrifuging_radius)
@@ -142,7 +141,7 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     least, most = (" ≥", "at most ") if state.pressure_is_bound else (" =", "")
     least, most = (" ≤", "at least ") if state.pressure_is_least else (least, most)
     shown = f"{'p = ' * plain}{_pressure(state.pressure, plain, dimension, 3)}"
-    verb = VERBS["pressed" if _slides(state) else state.name]
+    verb = VERBS["pressed" if state.may_slide else state.name]
     text = f"{verb} {most}{shown}{f' ({state.pressure_from})' * bool(state.pressure_from)}"
     kappa = state.stiffness_number
     if kappa is None or state.regime == "collisional":
@@ -150,13 +149,11 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     text += f": κ_p{least} {digits(kappa, 2)}"
     if state.overlap is None:
         return f"{text} without the adhesion, which adds to the overlap; rigid from κ_p = 1e4 on"
-    # A bound above this says nothing.
-    deep = state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST
-    if not (_flows(state) or _slides(state) or deep):  # flows have fewer contacts and larger overlaps
+    if _too_deep(state):
+        text += ", softer than contact laws describe" * (not state.pressure_is_bound)
+    elif not (_flows(state) or state.may_slide):  # flows have fewer contacts and larger overlaps
         overlap = percent(state.overlap or 0.0)
-        if not state.pressure_is_bound and (state.overlap or 0.0) > compression.DEEPEST:
-            overlap = "more than half"  # which no contact law describes
-        elif state.overlap_range is not None and state.pressure_is_least:
+        if state.overlap_range is not None and state.pressure_is_least:
             overlap = percent(state.overlap_range[0])
         elif state.overlap_range is not None and not most and not overlap.startswith("less"):
             low, high = map(percent, state.overlap_range)
@@ -168,6 +165,11 @@ def _softness(state: GrainState, plain: bool, dimension: int) -> str:
     bound = " or less" if state.pressure_is_bound else " or more" if state.pressure_is_least else ""
     needed = f"{stiffness(state.stiffness)} of {value}{bound}"
     return f"{text}; {'still rigid (1e4) at' if kappa >= RIGID else 'rigid grains (1e4) take'} {needed}"
+
+
+def _too_deep(state: GrainState) -> bool:
+    """Whether the overlap is larger than any that contact laws describe."""
+    return (state.overlap or 0.0) > compression.DEEPEST
 
 
 def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str:
@@ -182,6 +184,7 @@ def _border(state: GrainState, plain: bool, dimension: int, options: str) -> str
     kappa, overlap = digits(state.layers_stiffness_number or 0.0, 2), percent(state.layers_overlap or 0.0)
     number = state.layers or LAYERS
     few = ", as in a slender column" if number < LAYERS else ""
+    few = ", as high as the box" if state.layers_fill else few
     below = f"Below {number} layers ({heights[0]}{few}) κ_p = {kappa}, overlap {overlap} of R"
     rigid = (
         f"rigid (1e4) below {heights[1]}" if depth >= layers / number else "not rigid (1e4) below one layer"
@@ -210,7 +213,9 @@ def details(verdict: Verdict) -> Iterator[str]:
     if state.coordination is not None:
         packing = f"φ = {digits(state.packing_fraction or 0.0, 3)}, {digits(state.coordination, 3)} contacts per grain"
         yield f"Packing at rest: {packing}."
-    if (_flows(state) or _slides(state)) and state.overlap is not None:
+    if _too_deep(state):
+        pass
+    elif (_flows(state) or state.may_slide) and state.overlap is not None:
         rest = f"{percent(state.overlap)} of R"
         yield f"At rest the overlap would be {rest}; in dense flow fewer contacts carry, and it is 1 to 8 times that."
     elif state.deepest_overlap is not None:

@@ -220,8 +220,8 @@ def report(verdict: Verdict, verbose: bool) -> None:
             for g in shown
         ]
         table(["run", "contact", *HEAD, WORSE.get(verdict.quantity or "", "")], lines, stages)
-    if len(shown) < len(groups):
-        say(f"… and {len(groups) - len(shown)} more contacts: --verbose")
+    if hidden := len(groups) - len(shown):
+        say(f"… and {hidden} more contact{'s' * (hidden > 1)}: --verbose")
     if not verbose and len({row.stage for row in verdict.rows}) > 1:
         which = f"run {last}{units_of(verdict, last)}"
         say(f"Settings change between runs. These are of {which}; --verbose has the others.")
@@ -392,8 +392,8 @@ def title(verdict: Verdict) -> str:
         and row.types[1] != "wall"
         and verdict.has_plain(row) == (verdict.units == "lj")
     ]
-    if speeds and min(speeds) < max(speeds):
-        ends = "–".join(digits(v, 3) for v in (min(speeds), max(speeds)))
+    ends = "–".join(dict.fromkeys(digits(v, 3) for v in (min(speeds, default=0.0), max(speeds, default=0.0))))
+    if "–" in ends:
         parts.append(
             f"{'speeds ' if verdict.units == 'lj' else ''}{ends}{'' if verdict.units == 'lj' else ' m/s'}"
         )
@@ -515,9 +515,10 @@ def lists(verdict: Verdict, verbose: bool) -> str:
     ]
     if unknown:
         parts.append(f"Not understood: {whats(unknown)}.")
-    at_rest = {"speeds", "packing"} if verdict.state.name in ("rest", "pressed", "flow") else set()
+    no_gas = verdict.state.name in ("rest", "pressed", "flow") or verdict.state.grains is not None
+    unasked = {"speeds", "packing"} if no_gas else set()
     estimated = {"speeds"} if any(number.what == "speed" for number in verdict.inferred) else set()
-    missing = [what for what in verdict.missing if what not in at_rest | estimated]
+    missing = [what for what in verdict.missing if what not in unasked | estimated]
     if missing and not any(listed(words) in verdict.sentence for words in (missing, verdict.missing)):
         parts.append(f"Not known: {listed(missing)}{given_by(missing, bool(verdict.states))}.")
     return " ".join(filter(None, parts))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import NamedTuple
 
@@ -122,6 +122,15 @@ class Contents:
     pours: bool = False  #: whether all that is below the grains is open, as a funnel is
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it, at most
     poured: bool = False  #: whether all grains fall from where they are inserted, few at a time
+    most: float | None = None  #: number of grains at most, if they are inserted again and again ...
+    most_filled: float | None = None  #: ... and their volume, in two dimensions their area
+
+    @property
+    def at_most(self) -> Contents:
+        """With the largest number of grains if it is not known, so that their weight is a bound."""
+        if self.filled is not None or self.most_filled is None:
+            return self
+        return replace(self, count=self.most, filled=self.most_filled, walled=True)
 
 
 NOTHING = Contents()
@@ -161,6 +170,7 @@ class ContactSettings:
     other_tangential: tuple[tuple[str, Tangential], ...] = ()
     differs: str = ""  #: how it differs in these versions, in words
     motion: Motion | None = None  #: of the wall, or of the grains that do not follow forces; None at rest
+    sheds: bool = False  #: whether it is a wall off which grains slide wherever they land
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -27,8 +28,9 @@ if TYPE_CHECKING:
 #: The style of a region and its numbers in absolute units.
 Region = tuple[object, ...]
 PLANES: Final = ("xplane", "yplane", "zplane")
+AT_MOST: Final = "at most"  #: in the words of a speed that is a bound
 #: Number of words of a region before its options.
-REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6}
+REGION_WORDS: Final = {"block": 6, "prism": 9, "sphere": 4, "cylinder": 6, "plane": 6}
 #: Cosine of the angle up to which gravity counts as along an axis.
 ALONG: Final = 1.0 - 1e-6
 #: Largest component of the direction of gravity along an axis that counts as level.
@@ -46,6 +48,17 @@ class Insertion(NamedTuple):
 
 
 @dataclass
+class Repeated:
+    """Grains that a fix inserts again and again."""
+
+    statement: Statement
+    lot: int  #: place among those of the census
+    each: Lot  #: of one insertion, at most
+    every: int  #: steps
+    steps: int = 0  #: of all runs with this fix
+
+
+@dataclass
 class Filling:
     """The box, the grains that are made in it, and their velocities."""
 
@@ -59,6 +72,7 @@ class Filling:
     heat: list[Speed] = field(default_factory=list)  #: of velocities drawn at random
     drifts: dict[str, tuple[float | None, ...]] = field(default_factory=dict)  #: velocities of groups
     velocities_known: bool = True  #: whether none of them is unknown
+    repeated: list[Repeated] = field(default_factory=list)
     #: Least distance of grains placed at random since the last run; infinite without them.
     apart: float = math.inf
 
@@ -131,8 +145,8 @@ def axis_of(style: str, axis: str, k: int) -> int:
     """The axis whose unit the number ``k`` of a region has."""
     if style in ("block", "prism"):
         return k // 2 if k < 6 else 0
-    if style == "sphere":
-        return k if k < 3 else 0
+    if style in ("sphere", "plane"):
+        return k % 3
     along = "xyz".find(axis)
     across = [other for other in range(3) if other != along]
     return across[k] if k < 2 else across[0] if k == 2 else max(along, 0)
@@ -258,12 +272,11 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: 
         return state.coefficient(fix.words[fix.words.index(name) + 1]) if name in fix.words[:-1] else None
 
     filling, share, count = state.filling, number("volumefraction_region"), number("nparticles")
-    mass = number("mass")
-    if "once" in fix.words:
+    mass, total = number("mass"), number("nparticles")
+    again = fix.style.startswith("insert/pack") and "once" not in fix.words
+    if again or "once" in fix.words:
         count = number("particles_in_region") if count is None else count
         mass = number("mass_in_region") if mass is None else mass
-    elif fix.style.startswith("insert/pack"):
-        share = count = mass = None
     name = (*fix.words[fix.words.index("region") + 1 :], "")[0] if "region" in fix.words else ""
     means = alike(radii)
     poured(state, fix, kind, count, means)
@@ -273,6 +286,33 @@ def inserted(state: State, fix: Fix, kind: int, radii: Range | None, densities: 
         filling.census.lots[-1] = census.of_volume(kind, share * space, means)
     elif count is None and mass is not None and densities is not None and densities[0] == densities[1]:
         filling.census.lots[-1] = census.of_volume(kind, mass / densities[0], means)
+    if not again:
+        return
+    each, every = filling.census.lots[-1], number("insert_every")
+    filling.census.lots[-1] = census.lot(kind, None, means)
+    if every and every >= 1.0 and total is None:
+        filling.repeated.append(Repeated(fix.statement, len(filling.census.lots) - 1, each, int(every)))
+
+
+def lengthen(state: State, steps: int | None) -> None:
+    """More steps of the fixes that insert grains again and again; without their number no bound is known."""
+    active = {fix.statement.quote for fix in state.fixes.values()}
+    running = [each for each in state.filling.repeated if each.statement.quote in active]
+    for each in running:
+        each.steps += steps or 0
+    if steps is None:
+        state.filling.repeated = [each for each in state.filling.repeated if each not in running]
+
+
+def at_most(state: State) -> Census | None:
+    """The census with as many grains as fixes that insert again and again make at most; None without such fixes."""
+    filling = state.filling
+    lots = list(filling.census.lots)
+    for each in filling.repeated:
+        if each.lot < len(lots) and lots[each.lot].kind == each.each.kind:
+            lots[each.lot] = each.each.times(1 + each.steps // each.every)
+    moving = [lot for lot in lots if not state.frozen(lot.kind)]
+    return replace(filling.census, lots=moving) if filling.repeated else None
 
 
 def streamed(state: State, fix: Fix, volume_rate: float | None) -> None:
@@ -384,9 +424,12 @@ def contents(state: State, stage: Stage) -> Contents:
     free = any(fix.style.endswith("6dof") for fix in state.fixes.values())
     stated = stated if stream is None else (streams.speed(stream),)
     moving = replace(filling.census, lots=[lot for lot in filling.census.lots if not state.frozen(lot.kind)])
+    most = at_most(state)
     return Contents(
         count=moving.count,
         filled=moving.filled(state.dimension),
+        most=None if most is None else most.count,
+        most_filled=None if most is None else most.filled(state.dimension),
         volume=volume(state),
         speeds=(*stated, *(falls(state, stage) if stream is None else ())),
         stream=stream.packing_fraction if stream is not None and stream.along_face else None,
@@ -432,12 +475,8 @@ def planes(state: State) -> dict[int, list[float]]:
                 ends = words[at + 1 : at + (2 if state.code == "liggghts" else 3)]
                 values = [state.coefficient(word) for word in ends if word != "NULL"]
                 known.setdefault(k, []).extend(math.nan if value is None else value for value in values)
-        at = words.index("region") + 1 if "region" in words[:-1] else 0
-        region = state.filling.regions.get(words[at]) if at else None
-        if region and region[0] == "block":
-            numbers = [number for number in region if isinstance(number, float)]
-            for k in range(3):
-                known.setdefault(k, []).extend(x for x in numbers[2 * k : 2 * k + 2] if math.isfinite(x))
+        for k, place in (faces_of_region(state, fix) or NO_FACES).flat:
+            known.setdefault(k, []).append(place)
     return known
 
 
@@ -450,13 +489,51 @@ def cylinders(state: State) -> list[tuple[int, float]]:
             if fix.style.startswith("wall/gran") and shape in fix.words[:-1]:
                 radius = state.coefficient(fix.words[fix.words.index(shape) + 1])
                 known.append((k, math.nan if radius is None else radius))
+        if fix.style.startswith("wall/gran"):
+            known += (faces_of_region(state, fix) or NO_FACES).curved
     return known
 
 
+class Faces(NamedTuple):
+    """The faces of a region that are walls: planes by axis and place, cylinders by axis and radius."""
+
+    flat: list[tuple[int, float]]
+    curved: list[tuple[int, float]]
+
+
+NO_FACES: Final = Faces([], [])
+
+
+def faces_of_region(state: State, wall: Fix) -> Faces | None:
+    """The faces of the one region that a wall is; None if it is none, or of another shape."""
+    name = wall.words[wall.words.index("region") + 1] if "region" in wall.words[:-1] else ""
+    parts = [*state.parts_of(name).values()]
+    region = numbers_of(state, parts[0]) if len(parts) == 1 and parts[0] else None
+    if region is None:
+        return None
+    opened = {face for word, face in pairwise(parts[0]) if word == "open"}
+    numbers = [number for number in region if isinstance(number, float)]
+    flat, curved = list[tuple[int, float]](), list[tuple[int, float]]()
+    if region[0] == "block":
+        flat = [(k // 2, x) for k, x in enumerate(numbers) if str(k + 1) not in opened]
+    elif region[0] == "cylinder" and "3" not in opened:
+        axis = AXES.index(str(region[1]))
+        flat = [(axis, x) for face, x in zip("12", numbers[3:], strict=True) if face not in opened]
+        curved = [(axis, numbers[2])]
+    elif region[0] == "plane":
+        normal = numbers[3:]
+        flat = [(k, numbers[k]) for k in range(3) if abs(normal[k]) > ALONG * math.hypot(*normal)]
+    return Faces([face for face in flat if math.isfinite(face[1])], curved) if flat or curved else None
+
+
 def extent(state: State, axes: Sequence[int]) -> float | None:
-    """Product of the edges of the box along these axes: between periodic ends or plane walls, or in one cylinder."""
+    """Product of the edges of the box along these axes: between periodic ends or plane walls, or in one cylinder.
+
+    None if a wall has another shape: it may hold the grains in a part of the box.
+    """
     walls, round_walls = planes(state), cylinders(state)
-    if len(round_walls) > 1:
+    all_walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
+    if len(round_walls) > 1 or not all(has_known_shape(state, fix) for fix in all_walls):
         return None
     sizes, across = [], set[int]()
     for along, radius in round_walls:
@@ -467,7 +544,8 @@ def extent(state: State, axes: Sequence[int]) -> float | None:
     for k in axes:
         if k in across:
             continue
-        ends = state.filling.box.get(k) if state.filling.periodic(k) else walls.get(k)
+        open_sides = state.filling.periodic(k) and k not in walls
+        ends = state.filling.box.get(k) if open_sides else walls.get(k)
         if ends is None or len(set(ends)) != 2:
             return None
         sizes.append(max(ends) - min(ends))
@@ -490,20 +568,17 @@ def floor_of(state: State, stage: Stage) -> tuple[float | None, bool]:
         return None, False
     axis = max(range(state.dimension), key=lambda k: abs(down[k]))
     across = [k for k in range(state.dimension) if k != axis]
-    closed = [k for k in across if not state.filling.periodic(k)]
-    walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
-    others = [fix for fix in walls if not has_known_shape(state, fix)]
-    if any(abs(down[k]) > LEVEL for k in closed) or (closed and others):
+    walls = planes(state)
+    closed = [k for k in across if not state.filling.periodic(k) or k in walls]
+    if any(abs(down[k]) > LEVEL for k in closed):
         return None, False
     return extent(state, across), bool(closed or cylinders(state))
 
 
 def has_known_shape(state: State, wall: Fix) -> bool:
     """Whether a wall is made of planes, or is a cylinder."""
-    at = wall.words.index("region") + 1 if "region" in wall.words[:-1] else 0
-    region = state.filling.regions.get(wall.words[at]) if at else None
     round_or_plane = {*PLANES, *(f"{axis}cylinder" for axis in AXES)}
-    return bool(region and region[0] == "block") or not round_or_plane.isdisjoint(wall.words)
+    return faces_of_region(state, wall) is not None or not round_or_plane.isdisjoint(wall.words)
 
 
 def falls(state: State, stage: Stage) -> Iterator[Speed]:
@@ -542,8 +617,8 @@ def falls(state: State, stage: Stage) -> Iterator[Speed]:
         height = fall if fall is not None and 0.0 < fall < math.inf else 0.0
         if height or start:
             place = " within the box" if unknown or not insertion.poured else " from the insertion region"
-            place += " (at most: through the whole of it)" if unknown else ""
-            place += "" if below or unknown else " (at most: to the end of the box)"
+            place += f" ({AT_MOST}: through the whole of it)" if unknown else ""
+            place += "" if below or unknown else f" ({AT_MOST}: to the end of the box)"
             yield fallen(height, start, stage.gravity, place)
 
 

@@ -331,6 +331,7 @@ class Liggghts(State):
                 moves = motion.strongest(
                     [motion.of_mesh(self, word) for word in parsed.rest], gravity.down(self)
                 )
+                sheds = motion.sheds(self, fix)
                 belt = motion.strongest([motion.of_surface(self, word) for word in parsed.rest])
                 for kind in kinds:
                     for end in ends:
@@ -348,7 +349,7 @@ class Liggghts(State):
                             friction=friction,
                             motion=moving,
                         )
-                        yield replace(contact, tangential=self.tangential(model, kind, end))
+                        yield replace(contact, tangential=self.tangential(model, kind, end), sheds=sheds)
 
     def note_friction(self, contacts: Sequence[ContactSettings]) -> None:
         """Note what the friction of the contacts really does."""

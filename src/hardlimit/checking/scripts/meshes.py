@@ -15,6 +15,7 @@ Triangles = NDArray[np.float64]  #: (n, 3, 3): corner and axis
 
 LARGEST: Final = 20_000_000  #: bytes of a file
 FLAT: Final = 1e-5  #: height of a mesh over its size up to which it is plane
+MERGED: Final = 1e-6  #: distance over the size of a mesh up to which corners are one
 HEADER: Final = 84  #: bytes before the triangles of a binary file
 BINARY: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX: Final = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
@@ -52,6 +53,40 @@ def plane(corners: Triangles) -> tuple[tuple[float, ...], float] | None:
     heights = (corners.reshape(-1, 3) - corners[0, 0]) @ normals[0]
     flat = np.ptp(heights) <= FLAT * np.ptp(corners.reshape(-1, 3), axis=0).max()
     return (tuple(map(float, normals[0])), float(areas.sum())) if flat else None
+
+
+def sheds(corners: Triangles, down: Sequence[float], slope: float) -> bool:
+    """Whether what slides down all slopes above this angle [°] leaves a mesh: no face, valley or hollow holds it.
+
+    False as well if it is not known, as of a mesh of several parts.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    points = corners.reshape(-1, 3)
+    size, least = np.ptp(points, axis=0).max(), math.sin(math.radians(slope))
+    _, first, ends = np.unique(
+        np.round(points / (MERGED * size)), axis=0, return_index=True, return_inverse=True
+    )
+    ends = ends.reshape(-1, 3)
+    ends = ends[(ends != np.roll(ends, 1, axis=1)).all(axis=1)]  # without triangles of no area
+    places, heights = points[first], -points[first] @ np.asarray(down, float)
+    normals = np.cross(places[ends[:, 1]] - places[ends[:, 0]], places[ends[:, 2]] - places[ends[:, 0]])
+    flat = np.linalg.norm(np.cross(normals, down), axis=1) < least * np.linalg.norm(normals, axis=1)
+    sides = np.sort(ends[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+    edges, of_edge, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    links = coo_array((np.ones(len(edges)), edges.T), shape=(len(first), len(first)))
+    if not len(ends) or flat.any() or connected_components(links)[0] > 1:
+        return False
+    opposite = np.full(len(edges), np.inf)
+    np.minimum.at(opposite, of_edge.reshape(-1), heights[ends[:, [2, 0, 1]]].reshape(-1))
+    rise = heights[edges[:, 1]] - heights[edges[:, 0]]
+    steep = np.abs(rise) >= least * np.linalg.norm(places[edges[:, 1]] - places[edges[:, 0]], axis=1)
+    valley = ~steep & (count > 1) & (opposite >= heights[edges].max(axis=1) - MERGED * size)
+    leaves = np.zeros(len(first), bool)  # a corner: down a steep edge, or over the border of the mesh
+    leaves[np.where(rise > 0.0, edges[:, 1], edges[:, 0])[steep]] = True
+    leaves[edges[count == 1]] = True
+    return bool(leaves.all() and not valley.any())
 
 
 def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:

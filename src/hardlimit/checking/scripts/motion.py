@@ -25,6 +25,8 @@ STEADY: Final = Motion((0.0, 0.0, 0.0), 0.0)
 UNKNOWN: Final = Motion()
 AXES: Final = ("x", "y", "z")
 TILTS: Final = ("xy", "xz", "yz")
+#: Angle [°] from which grains may flow down a slope if no number is known; heaps of glass beads stand up to 20 or more.
+STEEP: Final = 15.0
 #: Styles of ``fix deform`` and ``change_box`` with their numbers of values.
 STYLES: Final = {
     **{"final": 2, "delta": 2, "scale": 1, "vel": 1, "erate": 1, "trate": 1, "volume": 0, "wiggle": 2},
@@ -78,6 +80,8 @@ def driven(state: State) -> Driven:
             others.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
         elif "servo" in fix.style or (fix.style.startswith("wall/gran") and measured(state, fix.words)):
             pressed.append(Note(f"a servo ({fix.style})", None, fix.statement.quote))
+        elif fix.style.startswith("wall/gran") and sheds(state, fix):
+            others.append(Note("the fall down a mesh that is open below", None, fix.statement.quote))
         elif fix.style.startswith("langevin") and (thermostat := bath(state, fix)) is not None:
             baths.append(thermostat)
     if len(rates) + len(baths) > 1:
@@ -353,7 +357,7 @@ def _drum(state: State, words: Sequence[str]) -> Motion:
     known = [number for number in numbers if number is not None]
     if angle is None or angle.style != "equal" or len(known) < 6:
         return STEADY
-    formula = state.variables.substitute(angle.values[0])
+    formula = _in_time(state, state.variables.substitute(angle.values[0]))
     angles = [state.variables.number(TIME.sub(f"({time})", formula)) for time in (0.0, 1.0, 2.0)]
     size, values = math.hypot(*known[3:]), [value for value in angles if value is not None]
     if len(values) < 3 or not size or not math.isclose(values[2] - values[1], values[1] - values[0]):
@@ -401,9 +405,14 @@ def by_variables(state: State, words: Sequence[str]) -> Motion | None:
     return oscillation(state, [parts.get(axis, ("0", ""))[0] for axis in AXES], periods.pop())
 
 
+def _in_time(state: State, formula: str) -> str:
+    """A formula of steps as one of time."""
+    return STEPS.sub(f"(time/{state.step_now()!r})", formula)
+
+
 def _wave(state: State, formula: str) -> tuple[str, str] | None:
     """Amplitude and period of c + A sin(ω t + φ), written with one sine or cosine of ``time``, or of steps."""
-    in_time = STEPS.sub(f"(time/{state.step_now()!r})", formula)
+    in_time = _in_time(state, formula)
     waves = list(WAVE.finditer(in_time))
     if len(waves) != 1 or not TIME.search(in_time):
         return None
@@ -461,6 +470,20 @@ def of_mesh(state: State, name: str) -> Motion | None:
         if fix.words[fix.words.index("mesh") + 1] == name
     ]
     return strongest(motions, gravity.down(state))
+
+
+def sheds(state: State, wall: Fix) -> bool:
+    """Whether a wall of LIGGGHTS is the only one and a mesh off which grains slide wherever they land."""
+    walls = [fix for fix in state.fixes.values() if fix.style.startswith("wall/gran")]
+    names = wall.words[wall.words.index("meshes") + 1 :] if "meshes" in wall.words else ()
+    count = wall.words[wall.words.index("n_meshes") + 1] if "n_meshes" in wall.words[:-1] else ""
+    down, mesh = gravity.down(state), state.fixes.get((*names, "")[0])
+    if len(walls) > 1 or count != "1" or down is None or mesh is None:
+        return False
+    if of_mesh(state, names[0]) is not None or of_surface(state, names[0]) is not None:
+        return False
+    corners = corners_of_mesh(state, mesh.words)
+    return corners is not None and meshes.sheds(corners, down, STEEP)
 
 
 def of_surface(state: State, name: str) -> Motion | None:

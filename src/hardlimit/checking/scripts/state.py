@@ -521,6 +521,7 @@ class State(Groups):
 
     def note_stage(self, quote: Quote, steps: int | None) -> None:
         """The stage of a run, or a longer one before it."""
+        filling.lengthen(self, steps)
         if self.stages and not self.changed_since:
             self.longer(steps, filling.contents(self, self.stages[-1]))
             return
