@@ -144,7 +144,6 @@ CALLBACK = "\n    PyRunner(command='later()', iterPeriod=10),"
     (FILLED, CALLBACK, "def later():\n    O.bodies.append(wall(0.05, 2))"),
     (FILLED, CALLBACK, "def later():\n    O.bodies[0].state.vel = (0, 0, -1)"),
     (FILLED, "\n    PyRunner(command='O.bodies[3].state.pos = (0, 0, 0)', iterPeriod=10),", ""),
-    (FILLED + "top = O.bodies.append(wall(0.095, 2))\n", "", "O.bodies[top].state.vel = (0, 0, -0.1)"),
     (FILLED, "", "O.forces.addF(3, (0, 0, -10), permanent=True)"),
     (FILLED.replace("(0.01, 0.01, 0.05), w", "(0.01, float(input()), 0.05), w"), "", ""),
     (FILLED.replace("wallMask=31", "wallMask=15") + "O.bodies.append(ymport.stl('funnel.stl'))\n", "", ""),

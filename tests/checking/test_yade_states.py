@@ -47,7 +47,7 @@ def said(bodies, gravity=DOWN, engine="", end=""):
 @pytest.mark.parametrize("word", ["goal", "sigma"])
 def test_the_stresses_of_a_triaxial_cell_by_axes(word):
     """As in 2023.02a, and by their names in older versions; only those under stress control count."""
-    controls = "stressControl_1=True, stressControl_2=False, stressControl_3=True"
+    controls = "stressControl_1=True, stressControl_2=False, stressControl_3=True, internalCompaction=False"
     engine = f"ThreeDTriaxialEngine({controls}, {word}1=-1e4, {word}2=-7e4, {word}3=-2e4)"
     assert said(CLOUD, "", engine).pressure == 1.5e4
     assert (

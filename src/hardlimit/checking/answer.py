@@ -49,7 +49,7 @@ HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 #: What is said of grains in free fall, or at rest without gravity.
 NEVER_MEET: Final = (
     "no grain meets another or a wall (t_c ν = 0): all start with one velocity, or side by side along gravity, which "
-    "acts on all alike, and there is no wall"
+    "acts on all alike, and no wall is in their way"
 )
 
 
@@ -263,8 +263,9 @@ def _invalid(invalidates: Sequence[Finding]) -> str:
     first = invalidates[0]
     kinds = tuple(dict.fromkeys(first.types or ()))
     where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
-    others = f" and {len(invalidates) - 1} more" if len(invalidates) > 1 else ""
-    return f"No: {first.what}{where}{others}, which no event-driven simulation can follow."
+    others = len({finding.what for finding in invalidates} - {first.what})
+    more = f" and {others} more" if others else ""
+    return f"No: {first.what}{where}{more}, which no event-driven simulation can follow."
 
 
 def _off(row: CheckedContact, question: Question) -> str:

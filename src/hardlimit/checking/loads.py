@@ -212,8 +212,11 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
             return {}
-        pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
-        origin = f"below a heap of {contents.count:.0f} grains at 45°, as they do not cover the floor"
+        volume, plane = contents.filled / phi, contents.layer is not None
+        height = heap(volume, around.dimension) if contents.layer is None else heap(volume / contents.layer, 2)
+        pressure = weight(height, phi * density, gravity)
+        origin = f"below a heap of {contents.count:.0f} grains at 45°{' in one plane' * plane}"
+        origin += ", as they do not cover the floor"
         return {"pressure": pressure, "origin": origin, "weight": True, "bound": True}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
@@ -243,6 +246,8 @@ def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]
     """The pressure of the script. Grains that a piston relieves keep a part of what pressed them across it before."""
     origin = BY_SCRIPT + f"; up to {SHEARED:g} times that while one axis is compressed" * stage.strained
     origin += ", until a callback changes it" * stage.pressure_changes
+    if stage.contents.other_clumps:
+        return {"pressure": pressure, "origin": f"{origin}, more on the spheres of a clump", "unloaded": True}
     known = {"pressure": pressure, "origin": origin}
     if not stage.uniaxial or around.before < UNLOADED * pressure:
         return known

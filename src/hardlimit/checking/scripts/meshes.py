@@ -15,6 +15,8 @@ Triangles = NDArray[np.float64]  #: (n, 3, 3): corner and axis
 
 LARGEST: Final = 20_000_000  #: bytes of a file
 FLAT: Final = 1e-5  #: height of a mesh over its size up to which it is plane
+SAME: Final = 1e-6  #: distance of corners that are one over the size of a mesh
+LEVEL: Final = math.cos(math.radians(1.0))  #: cosine of the tilt up to which a triangle is a floor
 HEADER: Final = 84  #: bytes before the triangles of a binary file
 BINARY: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX: Final = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
@@ -52,6 +54,44 @@ def plane(corners: Triangles) -> tuple[tuple[float, ...], float] | None:
     heights = (corners.reshape(-1, 3) - corners[0, 0]) @ normals[0]
     flat = np.ptp(heights) <= FLAT * np.ptp(corners.reshape(-1, 3), axis=0).max()
     return (tuple(map(float, normals[0])), float(areas.sum())) if flat else None
+
+
+def catches(corners: Triangles, along: int, up: float, top: float) -> bool:
+    """Whether a mesh holds grains: it has a level part, or a lowest point with triangles all around.
+
+    ``up``: the sign of the axis ``along`` that is up. ``top``: the highest place of grains along it, above which the
+    mesh holds none. Corners within :data:`SAME` of the mesh's size are one.
+    """
+    from scipy import sparse  # which other uses must not wait for
+    from scipy.sparse.csgraph import connected_components
+
+    points = corners.reshape(-1, 3)
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    _, first, found = np.unique(
+        np.rint((points - points.min(axis=0)) / (SAME * size)), axis=0, return_index=True, return_inverse=True
+    )
+    heights, triangles = up * points[first, along], found.reshape(-1, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    level = np.abs(normals[:, along]) > LEVEL * np.linalg.norm(normals, axis=1)
+    if (level & (heights[triangles].max(axis=1) < top)).any():
+        return True
+    triangles = np.unique(np.sort(triangles, axis=1), axis=0)  # each once
+    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges, used = np.unique(sides[sides[:, 0] != sides[:, 1]], axis=0, return_counts=True)
+    low, high = np.sort(heights[edges], axis=1).T
+    flat = high - low <= SAME * size
+    links = sparse.coo_array((np.ones(flat.sum()), edges[flat].T), (len(heights),) * 2)
+    parts, part = connected_components(links, directed=False)
+    upper = np.take_along_axis(edges, np.argmax(heights[edges], axis=1)[:, None], axis=1)[:, 0]
+    lowest = np.zeros(parts, bool)
+    lowest[part[heights < top]] = True
+    lowest[part[upper[~flat]]] = False  # something beside it is lower
+    rim = np.zeros(len(heights), bool)
+    rim[edges[used == 1].ravel()] = True
+    inner = np.zeros(parts, bool)
+    inner[part[~rim]] = True
+    inner[part[edges[flat & (used > 1), 0]]] = True
+    return bool((lowest & inner).any())
 
 
 def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:

@@ -26,7 +26,7 @@ from .yade_clumps import (
 )
 from .yade_container import Ends, vector
 from .yade_container import union as around
-from .yade_extents import Centre, Drawn, around_ball, ends_of_facets, shifted, span
+from .yade_extents import Centre, Drawn, around_ball, ends_of_facets, shifted, span, triangles_of
 from .yade_filling import (
     DENSITIES,
     TEXTS,
@@ -183,13 +183,20 @@ class BodyCalls:
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
-        radius, centre = drawn(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
+        radius = drawn(instance.argument(1, "radius"))
         body = self.body(instance, "sphere", radius)
         body.lot = uniform(None if body.several else 1.0, radius)
         body.ends = made_ends(instance)
         instance.made.append(body)
-        if centre is not None and not body.frozen:
-            self.scene.filling.places.append((centre, centre, radius[0] if radius else 0.0))
+        if body.ends is not None and radius is not None and not isinstance(instance.argument(0, "center"), Centre):
+            self.place(body, radius)
+
+    def place(self, body: Body, radius: Range) -> None:
+        """Where the centre of a sphere that falls is made."""
+        if body.ends is not None and not body.frozen:
+            low, high = (shifted(body.ends, (sign * radius[1],) * 3) for sign in (1.0, -1.0))
+            assert low is not None and high is not None
+            self.scene.filling.places.append((low[0], high[1], radius[0]))
 
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
@@ -197,7 +204,8 @@ class BodyCalls:
         body.several |= instance.name not in ("facet", "wall", "box")
         body.frozen |= instance.name != "box"
         obstacle(self.scene.filling, instance)
-        self.scene.filling.container.add(instance, ends_of_facets(instance, self.folder))
+        reach, mesh = ends_of_facets(instance, self.folder), triangles_of(instance, self.folder)
+        self.scene.filling.container.add(instance, reach, mesh)
         self.scene.filling.container.known &= body.frozen  # a box that moves may lie on the grains
         if instance.name == "box":
             half = instance.argument(1, "extents")
@@ -318,7 +326,7 @@ class BodyCalls:
         """Clumps of these sizes, or shapes of unknown ones."""
         filling = self.scene.filling
         filling.container.known &= own is not None
-        filling.clumped = (filling.clumped or Clumped()).with_(own or Clumped())
+        filling.clumped = (filling.clumped or Clumped()).with_(own or Clumped(unknown=True))
         self.scene.counted = min(self.scene.counted, len(self.scene.bodies))  # a clump has a number as well
         what = f"clumps or shapes that are no spheres ({instance.name})"
         self.scene.invalidate(what, self.scene.at(instance))

@@ -33,6 +33,7 @@ class Clumped(NamedTuple):
     )
     heavier: float = 1.0  #: mass over that of its volume
     reach: float = 0.0  #: its extent over that radius
+    unknown: bool = False  #: whether there is a clump whose numbers are not known
 
     def with_(self, other: Clumped) -> Clumped:
         """The larger numbers of both."""
