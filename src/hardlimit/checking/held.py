@@ -96,11 +96,11 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
         return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
-    prescribed = grains.name == "pressed" and grains.pressure is not None
+    pressed = grains.name == "pressed"  # its overlap is not that of an impact
     if many and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
     shaken = grains.name == "shaken" and grains.shaking is not None
-    if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
+    if loaded or pressed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
     if count is not None and 0 <= count <= FEW:

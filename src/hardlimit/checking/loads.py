@@ -213,8 +213,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         if density is None or not contents.filled:
             return {}
         volume, plane = contents.filled / phi, contents.layer is not None
-        height = heap(volume, around.dimension) if contents.layer is None else heap(volume / contents.layer, 2)
-        pressure = weight(height, phi * density, gravity)
+        deep = heap(volume, around.dimension) if contents.layer is None else heap(volume / contents.layer, 2)
+        pressure = weight(deep, phi * density, gravity)
         origin = f"below a heap of {contents.count:.0f} grains at 45°{' in one plane' * plane}"
         origin += ", as they do not cover the floor"
         return {"pressure": pressure, "origin": origin, "weight": True, "bound": True}

@@ -67,10 +67,10 @@ def catches(corners: Triangles, along: int, up: float, top: float) -> bool:
 
     points = corners.reshape(-1, 3)
     size = float(np.ptp(points, axis=0).max()) or 1.0
-    _, first, found = np.unique(
+    _, first, merged = np.unique(
         np.rint((points - points.min(axis=0)) / (SAME * size)), axis=0, return_index=True, return_inverse=True
     )
-    heights, triangles = up * points[first, along], found.reshape(-1, 3)
+    heights, triangles = up * points[first, along], merged.reshape(-1, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     level = np.abs(normals[:, along]) > LEVEL * np.linalg.norm(normals, axis=1)
     if (level & (heights[triangles].max(axis=1) < top)).any():

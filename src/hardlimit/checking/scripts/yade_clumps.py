@@ -37,7 +37,8 @@ class Clumped(NamedTuple):
 
     def with_(self, other: Clumped) -> Clumped:
         """The larger numbers of both."""
-        return Clumped(*map(max, self, other))
+        concentration, heavier, reach = (max(pair) for pair in zip(self[:3], other[:3], strict=True))
+        return Clumped(concentration, heavier, reach, self.unknown or other.unknown)
 
 
 def of_spheres(table: Spheres, discretized: bool) -> Clumped:

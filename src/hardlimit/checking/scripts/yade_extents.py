@@ -327,9 +327,9 @@ def halves(face: Face) -> list[list[Direction]]:
     j, k = (axis for axis in range(3) if axis != face.axis)
     low, high = face.ends
     corners = []
-    for one, other in ((low, low), (high, low), (high, high), (low, high)):
+    for end_j, end_k in ((low, low), (high, low), (high, high), (low, high)):
         corner = list(low)
-        corner[j], corner[k] = one[j], other[k]
+        corner[j], corner[k] = end_j[j], end_k[k]
         corners.append(tuple(corner))
     return [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]
 

@@ -122,12 +122,13 @@ class YadeFilling:
             source = "across the circle in which walls turn"
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
-            if container.thickness(down) < IN_LAYER * diameter:
-                contents = replace(contents, layer=diameter)
-            if contents.count * diameter < height and contents.count <= FEW:
+            one_layer = container.thickness(down) < IN_LAYER * diameter
+            contents = replace(contents, layer=diameter if one_layer else None)
+            stack = contents.count * diameter
+            if stack < height and contents.count <= FEW:
                 return contents
-            if contents.count * diameter < height:
-                height, source = contents.count * diameter, "of spheres in one stack"
+            if stack < height:
+                height, source = stack, "of spheres in one stack"
         return replace(
             contents,
             floor=floor,
@@ -258,7 +259,9 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
     elif (centre := vector(first)) is not None and (half := vector(second)) is not None:
         ends = [tuple(c + sign * h for c, h in zip(centre, half, strict=True)) for sign in (-1.0, 1.0)]
         if instance.name == "facetBox":  # turned: where its bottom was before
-            ends[1] = tuple(high if axis != 2 else low for axis, (low, high) in enumerate(zip(*ends, strict=True)))
+            ends[1] = tuple(
+                high if axis != 2 else low for axis, (low, high) in enumerate(zip(*ends, strict=True))
+            )
         filling.floors.append((ends[0], ends[1]))
 
 

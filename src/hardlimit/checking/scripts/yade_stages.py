@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain, combinations
 from typing import Any, Final, TypeGuard
@@ -19,6 +20,7 @@ from .description import (
     Motion,
     Note,
     Quote,
+    Speed,
     Stage,
 )
 from .motion import STEADY, UNKNOWN, strongest
@@ -167,6 +169,7 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     moving = scene.filling.moving
     if contents.count is not None and moving is not None and 0 < moving <= FEW < contents.count:
         contents = replace(contents, count=moving)
+    contents = replace(contents, speeds=(*contents.speeds, *launches(factories)))
     if scene.elsewhere or factories or any(map(appends, called_back(scene, script) or ())):
         contents = replace(contents, count=None, filled=None)
     if scene.elsewhere or stage.down is None or not has_own_weight(scene, script, stage.down):
@@ -189,6 +192,14 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     moving = any(velocity is not None and any(velocity) for velocity in scene.filling.container.moves)
     moving = moving or any(scene.used(name) for name in ACROSS)
     return scene.filling.bed(contents, stage.down, sources, next(iter(across), None), moving)
+
+
+def launches(factories: list[Instance]) -> Iterator[Speed]:
+    """The largest velocity with which factories make spheres."""
+    for factory in factories:
+        speed = factory.attributes.get("vMax")
+        if speed is not None and is_number(speed) and speed > 0.0:
+            yield Speed(float(speed), "the velocity with which a factory makes spheres")
 
 
 def fall_apart(scene: Scene, down: Direction) -> bool:
@@ -219,7 +230,12 @@ def fall_apart(scene: Scene, down: Direction) -> bool:
         all(first[0][k] < second[1][k] and second[0][k] < first[1][k] for k in across)
         for first, second in chain(
             combinations(places, 2),
-            ((ends, wall) for ends in moving for wall, low in walls if low < 0.5 * sign * (ends[0][k] + ends[1][k])),
+            (
+                (ends, wall)
+                for ends in moving
+                for wall, low in walls
+                if low < 0.5 * sign * (ends[0][k] + ends[1][k])
+            ),
         )
     )
 
