@@ -16,7 +16,7 @@ Triangles = NDArray[np.float64]  #: (n, 3, 3): corner and axis
 LARGEST: Final = 20_000_000  #: bytes of a file
 FLAT: Final = 1e-5  #: height of a mesh over its size up to which it is plane
 SAME: Final = 1e-6  #: distance of corners that are one over the size of a mesh
-LEVEL: Final = math.cos(math.radians(1.0))  #: cosine of the tilt up to which a triangle is a floor
+LEVEL: Final = math.cos(math.radians(30.0))  #: cosine of the tilt up to which a bed with friction stays on a triangle
 HEADER: Final = 84  #: bytes before the triangles of a binary file
 BINARY: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX: Final = re.compile(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)")
@@ -57,7 +57,7 @@ def plane(corners: Triangles) -> tuple[tuple[float, ...], float] | None:
 
 
 def catches(corners: Triangles, along: int, up: float, top: float) -> bool:
-    """Whether a mesh holds grains: it has a level part, or a lowest point with triangles all around.
+    """Whether a mesh holds grains: it has a part that is hardly tilted, or a lowest point with triangles all around.
 
     ``up``: the sign of the axis ``along`` that is up. ``top``: the highest place of grains along it, above which the
     mesh holds none. Corners within :data:`SAME` of the mesh's size are one.
@@ -72,8 +72,8 @@ def catches(corners: Triangles, along: int, up: float, top: float) -> bool:
     )
     heights, triangles = up * points[first, along], merged.reshape(-1, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    level = np.abs(normals[:, along]) > LEVEL * np.linalg.norm(normals, axis=1)
-    if (level & (heights[triangles].max(axis=1) < top)).any():
+    held = np.abs(normals[:, along]) > LEVEL * np.linalg.norm(normals, axis=1)
+    if (held & (heights[triangles].max(axis=1) < top)).any():
         return True
     triangles = np.unique(np.sort(triangles, axis=1), axis=0)  # each once
     sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)

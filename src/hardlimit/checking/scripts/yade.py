@@ -58,6 +58,8 @@ REVIVED: Final = re.compile(r"\.dead\s*=(?!\s*(True|1\b))|setattr")
 IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  #: ``Matrix3.Identity``
 #: Surfaces of triangles.
 SURFACES: Final = ("sweptPolylines2gtsSurface", "Surface")
+#: What keeps a body from moving by forces.
+HELD: Final = (("dynamic", False), ("blockedDOFs", "xyzXYZ"))
 #: A body by its number.
 OF_NUMBER: Final = re.compile(r"O\.bodies\[(\w+)\](?:\.state)?")
 #: Most bodies that a loop runs over one by one.
@@ -260,7 +262,7 @@ class Yade(Evaluator):
         elif name == "blockedDOFs" and isinstance(value, str) and not fixes(value):
             scene.locked = scene.locked if turns(value) else self.quoted(node)
             scene.planar |= is_planar(value)
-        elif (value is False or name == "blockedDOFs" and fixes(str(value))) and self.is_wall(owner):
+        elif (name, value) in HELD and self.is_wall(owner):
             pass  # no force moves it, or it is a box that is quoted where it is made
         elif name in CHANGING:
             scene.weighed |= name == "mass"
@@ -291,7 +293,7 @@ class Yade(Evaluator):
         return number_in(text) in self.of_spheres if body is None else body.kind == "sphere"
 
     def is_wall(self, text: Any) -> bool:
-        """Whether a text stands for a wall or a box whose number is that of a loop, or what ``O.bodies.append`` returned."""
+        """Whether a text stands for a wall or a box, by a number of a loop or that ``O.bodies.append`` returned."""
         name = number_in(text)
         return name in self.of_walls or self.numbers_walls(self.names.get(name))
 

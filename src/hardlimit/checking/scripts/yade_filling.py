@@ -122,10 +122,10 @@ class YadeFilling:
             source = "across the circle in which walls turn"
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
+            stack, few = contents.count * diameter, contents.count <= FEW
             one_layer = container.thickness(down) < IN_LAYER * diameter
             contents = replace(contents, layer=diameter if one_layer else None)
-            stack = contents.count * diameter
-            if stack < height and contents.count <= FEW:
+            if stack < height and few:
                 return contents
             if stack < height:
                 height, source = stack, "of spheres in one stack"
