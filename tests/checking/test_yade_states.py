@@ -55,6 +55,23 @@ def test_the_stresses_of_a_triaxial_cell_by_axes(word):
     )
 
 
+def test_spheres_of_unknown_clumps_are_pressed_more_than_the_script_says():
+    """In 2023.02a clumps of some 13 spheres at 50 kPa overlap by 4.4 % of the radius of a sphere, where alone by 2 %."""
+    clumps = "O.bodies.appendClumped(pack.regularHexa(pack.inSphere((0, 0, 0), float(size)), radius=1e-3, gap=0))\n"
+    engine = "TriaxialStressController(goal1=-1e4, goal2=-1e4, goal3=-1e4, internalCompaction=False)"
+    alone, clumped = said(CLOUD, "", engine), said(CLOUD + clumps, "", engine)
+    assert (alone.pressure_is_least, clumped.pressure_is_least) == (False, True)
+    assert alone.pressure == clumped.pressure == 1e4 and "spheres of a clump" in clumped.pressure_from
+
+
+def test_a_grain_between_walls_that_press_it_has_no_impact():
+    """Its overlap is what the walls make of it."""
+    ball = "O.bodies.append(sphere((0, 0, 0), 0.01))\nlow = O.bodies.append(wall(-0.01, 2))\n"
+    moved = "top = wall(0.01, 2)\ntop.state.vel = (0, 0, {})\nO.bodies.append(top)"
+    assert said(ball, "", end=moved.format(-1e-3)).grains is None
+    assert said(ball, "", end=moved.format(0)).grains == 1
+
+
 def test_a_controller_that_keeps_the_stress_it_has_reached():
     """Its goal is the stress that it measures: that of the run before."""
     engine = "TriaxialStressController(goal1=-1e5, goal2=-1e5, goal3=-1e5, label='triax')"

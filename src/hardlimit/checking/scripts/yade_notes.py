@@ -123,6 +123,7 @@ def contact_note(scene: Scene, instance: Instance) -> None:
         force = "adhesion (includeAdhesion)"
     elif name == "ViscElMat" and attributes.get("lubrication", False):
         force = LUBRICATED
+        scene.unknown[quote] = None
     if force:
         scene.invalidate(force, quote)
         scene.refuse(quote, f"be without {force}")
