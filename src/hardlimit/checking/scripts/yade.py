@@ -299,7 +299,7 @@ class Yade(Evaluator):
 
     def numbers_walls(self, value: Any) -> bool:
         """Whether a value stands for the numbers of walls or boxes."""
-        return isinstance(value, Unknown) and value.text in self.scene.filling.container.appended
+        return isinstance(value, Unknown) and value.text in self.scene.filling.container.walls_only
 
     def wall_moved(self, name: str, value: Any) -> None:
         """The place or the velocity of a wall, or of an unknown body."""

@@ -124,8 +124,10 @@ class BodyCalls:
 
     def append(self, instance: Instance, clumped: bool) -> None:
         """``O.bodies.append``: bodies, lists of them, or packings."""
-        scene = self.scene
-        for part in flat([*instance.arguments, *instance.attributes.values()]):
+        scene, parts = self.scene, flat([*instance.arguments, *instance.attributes.values()])
+        if parts and all(isinstance(part, Instance) and part.name in SHAPES for part in parts):
+            scene.filling.container.walls_only.add(instance.text)
+        for part in parts:
             elements = part.made if isinstance(part, Instance) else []
             bodies = [body for body in elements if isinstance(body, Body)]
             spheres = [body for body in bodies if body.kind == "sphere"]
@@ -188,7 +190,11 @@ class BodyCalls:
         body.lot = uniform(None if body.several else 1.0, radius)
         body.ends = made_ends(instance)
         instance.made.append(body)
-        if body.ends is not None and radius is not None and not isinstance(instance.argument(0, "center"), Centre):
+        if (
+            body.ends is not None
+            and radius is not None
+            and not isinstance(instance.argument(0, "center"), Centre)
+        ):
             self.place(body, radius)
 
     def place(self, body: Body, radius: Range) -> None:

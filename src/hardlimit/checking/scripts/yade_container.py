@@ -83,6 +83,7 @@ class Container:
     vessels: list[Ends] = field(default_factory=list)  #: of meshes and other facets of functions
     meshes: dict[Ends, Triangles] = field(default_factory=dict)  #: triangles of facets, by their ends
     appended: dict[str, list[Ends | None]] = field(default_factory=dict)  #: walls by the text of the call
+    walls_only: set[str] = field(default_factory=set)  #: texts of the calls that append nothing else
     unsure: list[Ends | None] = field(default_factory=list)  #: of spheres some of which may not move
     plain: bool = True  #: whether all walls are such faces and cylinders
     normals: set[int] = field(default_factory=set)  #: the axes along which walls push
