@@ -415,6 +415,7 @@ def test_a_grain_beside_or_below_all_walls_falls_freely(wall, meets):
     ("for k in other: O.bodies[k].state.vel = (0.2, 0, 0)", "rest"),
     ("more = O.bodies.append(ymport.text('more.txt'))\nfor k in more: O.bodies[k].state.vel = (1, 0, 0)", "rest"),
     ("O.bodies[plate].state.vel = (0.2, 0, 0)", "flow"),
+    ("O.bodies[plate].state.vel = (0, 0, 0.2)", "rest"),  # a piston
     ("O.bodies[plate].state.vel = (0.2, 0, 0)\nO.bodies[plate].state.vel = (0, 0, 0)", "rest"),
 ])  # fmt: skip
 def test_a_belt_makes_grains_flow(moved, name):

@@ -485,17 +485,18 @@ def motion(scene: Scene, down: Direction | None) -> Motion | None:
         elif engine.name in MOTION - PRESSING:
             motions.append(UNKNOWN)
     if down is not None:
-        motions += belt(scene)
+        motions += belt(scene, down)
     return strongest(motions, down)
 
 
-def belt(scene: Scene) -> list[Motion]:
-    """A wall whose velocity the script sets, as that of a belt; none if it is at rest."""
+def belt(scene: Scene, down: Direction) -> list[Motion]:
+    """A wall to which the script gives a velocity across gravity, as to a belt; none if it is at rest, or a piston."""
     push = scene.pushed
-    if push is None or not push.is_wall or (push.velocity is not None and not any(push.velocity)):
+    if push is None or push.velocity is None or not push.is_wall or not any(push.velocity):
         return []
-    speed = None if push.velocity is None else math.hypot(*push.velocity)
-    return [replace(STEADY, velocity=speed, course=push.velocity)]
+    if is_along(push.velocity, down):
+        return []
+    return [replace(STEADY, velocity=math.hypot(*push.velocity), course=push.velocity)]
 
 
 def shaking(engine: Instance) -> list[Motion]:
