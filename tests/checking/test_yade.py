@@ -31,6 +31,9 @@ def numbers(contact):
     }
 
 
+LATTICES = ("regularHexa", "regularOrtho")
+
+
 def script(
     pair=MINDLIN, material=GLASS, bodies=SPHERE, integrator="damping=0", rest="O.dt = 1e-6\nO.run(10)\n"
 ):
@@ -739,6 +742,27 @@ def test_lubricated_contacts_have_no_restitution_of_their_own():
         text = script(VISCEL, material.format(words), SPHERE + SPHERE)
         assert len(read(text).stages[0].contacts) == contacts
     assert "a fluid between grains" in hl.check(text).sentence
+
+
+@pytest.mark.parametrize(("radius", "gap", "numbers"), [
+    (0.05, 0, (537, 360, 5065, 3544, 882, 648)),
+    (0.07, 0.02, (113, 78, 1164, 820, 176, 192)),
+    (0.2, 0.1, (1, 0, 25, 17, 3, 4)),
+    (0.03, 0.001, (2716, 1914, 23824, 16852, 4724, 3696)),
+])  # fmt: skip
+def test_the_spheres_of_a_lattice_are_counted(radius, gap, numbers):
+    """As by 2023.02a."""
+    spaces = (
+        "inSphere((0, 0, 0), 0.5)",
+        "inSphere((0.1, 0.2, 0.3), 1)",
+        "inAlignedBox((0, 0, 0), (1, 1.3, 0.7))",
+    )
+    lattices = [f"{name}(pack.{space}, radius={radius}, gap={gap})" for space in spaces for name in LATTICES]
+    for lattice, number in zip(lattices, numbers, strict=True):
+        text = script(bodies=f"{SPHERE}O.bodies.append(pack.{lattice})\n")
+        assert read(text).stages[0].contents.count == 1 + number
+    repeated = script(bodies=f"{SPHERE}while more(): O.bodies.append(pack.{lattices[2]})\n")
+    assert read(repeated).stages[0].contents.count is None
 
 
 def test_the_speeds_of_factories_are_those_of_impacts():

@@ -118,7 +118,7 @@ def test_a_periodic_cell_has_the_weight_on_its_floor_alone(cell):
     ("O.bodies.append(wall(-0.01, 2))\n" + IN_BOX.format(", num=5000"), 0.1),
     ("O.bodies.append(box((0, 0, 0), (1, 1, 0.02), fixed=True))\n" + IN_BOX.format("").replace("0.01", "0.02"), 0.07),
     (BOX + IN_BOX.format("").replace("sp.toSimulation()", "for c, r in sp:\n    O.bodies.append(sphere(c, r))"), 0.09),
-    (BOX + "O.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)), 1e-3, 0))\n", 0.07),
+    (BOX + "hole = pack.inSphere((9, 9, 9), 1)\nO.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)) - hole, 1e-3, 0))\n", 0.07),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k * 1e-2), 2e-3) for k in range(1, 13)])\n", 0.048),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 4)])\n", 0.012),
 ])  # fmt: skip
@@ -160,7 +160,9 @@ def test_a_heap_of_grains_in_one_plane_is_a_triangle():
 def test_spheres_fall_on_what_is_below_them(bodies, height):
     """By the speed of this fall with half of the damping; without it, that of √(g d)."""
     sphere = "O.bodies.append(sphere((random.uniform(-9, 9), random.gauss(0, 1), random.uniform(0.1, 0.5)), 0.1))\n"
-    text = SCRIPT.format(bodies=f"import random\n{bodies}{sphere}", gravity=(0, 0, -10), engine="", end="", angle=0.4)
+    text = SCRIPT.format(
+        bodies=f"import random\n{bodies}{sphere}", gravity=(0, 0, -10), engine="", end="", angle=0.4
+    )
     (said,) = [number for number in hl.check(text).inferred if number.what == "speed"]
     fallen = math.sqrt(2 * 0.6 * 10 * height) if height else math.sqrt(10 * 0.2)
     assert said.value == pytest.approx(fallen) and ("fall" in said.source) is bool(height)

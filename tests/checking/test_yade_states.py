@@ -287,7 +287,8 @@ def test_surfaces_made_of_triangles():
 
 def test_the_box_around_a_lattice():
     lattice = (
-        "ids = O.bodies.append(pack.regularOrtho(pack.inSphere((0, 0, 0.1), 0.1), radius=0.005, gap=0))\n"
+        "ball, hole = pack.inSphere((0, 0, 0.1), 0.1), pack.inSphere((9, 9, 9), 1)\n"
+        "ids = O.bodies.append(pack.regularOrtho(ball - hole, radius=0.005, gap=0))\n"
     )
     sizes = (
         "from yade import bodiesHandling\nsize = bodiesHandling.spheresPackDimensions(ids)\n"

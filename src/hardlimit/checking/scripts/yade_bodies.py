@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from .description import Range
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
@@ -26,7 +28,16 @@ from .yade_clumps import (
 )
 from .yade_container import Ends, vector
 from .yade_container import union as around
-from .yade_extents import Centre, Drawn, around_ball, ends_of_facets, shifted, span, triangles_of
+from .yade_extents import (
+    Centre,
+    Drawn,
+    around_ball,
+    ends_of_facets,
+    ends_of_rows,
+    shifted,
+    span,
+    triangles_of,
+)
 from .yade_filling import (
     DENSITIES,
     TEXTS,
@@ -40,6 +51,7 @@ from .yade_filling import (
     spheres_in,
     uniform,
 )
+from .yade_lattices import centres
 from .yade_scene import UNCOUNTED, Body, Scene, as_range
 
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
@@ -135,7 +147,7 @@ class BodyCalls:
             scene.filling.census.lots += [body.lot for body in spheres]
             scene.filling.fixed += [body.lot for body in spheres if body.frozen]
             scene.filling.container.spheres += [body.ends for body in spheres if not body.frozen]
-            if isinstance(part, Instance) and not spheres:
+            if isinstance(part, Instance) and not spheres and part.name not in LATTICES:
                 walls = scene.filling.container.appended.setdefault(instance.text, [])
                 walls.append(ends_of_facets(part, self.folder))
             scene.filling.container.fix([body.ends for body in spheres if body.frozen])
@@ -143,7 +155,7 @@ class BodyCalls:
             if clumped and isinstance(part, Instance):
                 own = of_lattice(part) if part.name != "sphere" else self.clumped(instance)
                 self.clumps(replace(part, name="appendClumped"), own)
-            other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
+            other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES, *LATTICES)
             if isinstance(part, Unknown | Instance) and not bodies and not other:
                 scene.elsewhere = True
                 if not (isinstance(part, Instance) and part.name in FILES):
@@ -237,10 +249,24 @@ class BodyCalls:
         else:
             place = 2 if instance.name == "randomDensePack" else -1
             spheres = [self.body(instance, "sphere", size, place) for size in sizes]
+            if instance.name in LATTICES and (places := centres(instance)) is not None:
+                instance.made += self.of_lattice(spheres[0], places)
+                return
             filled = instance.name in LATTICES
             instance.made += [
                 replace(sphere, several=True, ends=ends_of(instance), filled=filled) for sphere in spheres
             ]
+
+    def of_lattice(self, sphere: Body, places: np.ndarray) -> list[Body]:
+        """The spheres of a lattice at these places, if there are any."""
+        if not len(places) or sphere.radii is None:
+            return []
+        number = None if self.script.repeats else float(len(places))
+        low, high = ends_of_rows(places)
+        radius = sphere.radii[1]
+        ends = tuple(x - radius for x in low), tuple(x + radius for x in high)
+        lot = uniform(number, sphere.radii)
+        return [replace(sphere, several=True, ends=ends, filled=True, lot=lot)]
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
