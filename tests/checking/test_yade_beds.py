@@ -29,6 +29,8 @@ O.run(1000, True)
 CLOUD = "sp = pack.SpherePack()\nsp.makeCloud({}, {}, rMean={!r}{})\nsp.toSimulation()\n"
 BOX = "O.bodies.append(geom.facetBox((0.01, 0.01, 0.05), (0.01, 0.01, 0.05), wallMask=31))\n"
 IN_BOX = CLOUD.format((0, 0, 0.01), (0.02, 0.02, 0.09), 1e-3, "{}")
+#: A predicate within which spheres are not counted.
+HOLED = "holed = pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)) - pack.inSphere((9, 9, 9), 1)\n"
 FILLED = BOX + IN_BOX.format(", num=500")
 
 
@@ -118,7 +120,7 @@ def test_a_periodic_cell_has_the_weight_on_its_floor_alone(cell):
     ("O.bodies.append(wall(-0.01, 2))\n" + IN_BOX.format(", num=5000"), 0.1),
     ("O.bodies.append(box((0, 0, 0), (1, 1, 0.02), fixed=True))\n" + IN_BOX.format("").replace("0.01", "0.02"), 0.07),
     (BOX + IN_BOX.format("").replace("sp.toSimulation()", "for c, r in sp:\n    O.bodies.append(sphere(c, r))"), 0.09),
-    (BOX + "hole = pack.inSphere((9, 9, 9), 1)\nO.bodies.append(pack.regularOrtho(pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)) - hole, 1e-3, 0))\n", 0.07),
+    (f"{BOX}{HOLED}O.bodies.append(pack.regularOrtho(holed, 1e-3, 0))\n", 0.07),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k * 1e-2), 2e-3) for k in range(1, 13)])\n", 0.048),
     ("O.bodies.append(wall(0, 2))\nO.bodies.append([sphere((0, 0, k), 2e-3) for k in range(1, 4)])\n", 0.012),
 ])  # fmt: skip

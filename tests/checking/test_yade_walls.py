@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 import pytest
-from test_yade_beds import BOX, CALLBACK, CLOUD, FILLED, IN_BOX, SCRIPT, state, weight_of
+from test_yade_beds import BOX, CALLBACK, CLOUD, FILLED, HOLED, IN_BOX, SCRIPT, state, weight_of
 
 import hardlimit as hl
 from hardlimit.checking.scripts import read
@@ -37,10 +37,7 @@ def described(text):
 ])  # fmt: skip
 def test_a_packing_that_is_denser_than_a_bed_counts_as_dense_as_it_is(packing, phi):
     """A hexagonal one has π/√18 without gaps."""
-    said = state(
-        f"{BOX}box = pack.inAlignedBox((0, 0, 0), (0.02, 0.02, 0.07)) - pack.inSphere((9, 9, 9), 1)\n"
-        f"O.bodies.append(pack.{packing.format('box')})\n"
-    )
+    said = state(f"{BOX}{HOLED}O.bodies.append(pack.{packing.format('holed')})\n")
     assert said.pressure == pytest.approx(phi * HEIGHT * 0.07) and said.pressure_is_bound
 
 
