@@ -72,8 +72,8 @@ def catches(corners: Triangles, along: int, up: float, top: float) -> bool:
     )
     heights, triangles = up * points[first, along], merged.reshape(-1, 3)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    held = np.abs(normals[:, along]) > LEVEL * np.linalg.norm(normals, axis=1)
-    if (held & (heights[triangles].max(axis=1) < top)).any():
+    gentle = np.abs(normals[:, along]) > LEVEL * np.linalg.norm(normals, axis=1)
+    if (gentle & (heights[triangles].max(axis=1) < top)).any():
         return True
     triangles = np.unique(np.sort(triangles, axis=1), axis=0)  # each once
     sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)

@@ -25,8 +25,8 @@ def centres(instance: Instance) -> np.ndarray | None:
     if ends is None or not (is_number(radius) and is_number(gap)) or not 0.0 < radius <= radius + gap:
         return None
     points = hexagonal(ends, radius, gap) if instance.name == "regularHexa" else orthogonal(ends, radius, gap)
-    held = None if points is None else inside(space, points, radius)
-    return None if points is None or held is None else points[held]
+    within = None if points is None else inside(space, points, radius)
+    return None if points is None or within is None else points[within]
 
 
 def grid(numbers: list[int]) -> np.ndarray | None:
