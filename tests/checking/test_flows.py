@@ -239,9 +239,9 @@ def test_other_rotations_have_none(change, known):
 def test_a_mesh_has_the_radius_at_which_it_centrifuges(name, rate):
     verdict = hl.check(STATES / name)
     assert verdict.state.centrifuging_radius == pytest.approx(9.81 / rate**2)
-    assert "A drum that turns so is rolling up to R = 2." in verdict.sentence
+    assert "In a drum that turns so grains roll up to R = 2." in verdict.sentence
     assert verdict.state.rolling_radius == pytest.approx(0.01 * verdict.state.centrifuging_radius)
-    assert ", throws its grains from 2" in verdict.sentence
+    assert ", are thrown from 2" in verdict.sentence
 
 
 def test_a_drum_smaller_than_its_grains_does_not_roll():

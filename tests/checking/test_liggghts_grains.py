@@ -660,9 +660,9 @@ def test_meshes_that_hold_nothing(seed):
     hollow = around * corner  # a corner of a cube, lowest
     assert not sheds([(0, 0), (1, 0), (2, 0)], hollow)
     assert sheds([(0, 1), (1, 1), (2, 1)], hollow)  # and highest
-    assert not meshes.sheds(
-        np.concatenate([turned_box(SIDES, around), turned_box(SIDES, around) + 5.0]), down, 15.0
-    )
+    floor = turned_box([(2, 0)], around) + 5.0  # of another part
+    both = np.concatenate([turned_box(SIDES, around), floor])
+    assert not meshes.sheds(both, down, 15.0) and meshes.sheds(both, down, 15.0, top=4.9)
 
 
 def test_grains_do_not_rest_on_a_chute(tmp_path):

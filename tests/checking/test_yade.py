@@ -31,6 +31,9 @@ def numbers(contact):
     }
 
 
+LATTICES = ("regularHexa", "regularOrtho")
+
+
 def script(
     pair=MINDLIN, material=GLASS, bodies=SPHERE, integrator="damping=0", rest="O.dt = 1e-6\nO.run(10)\n"
 ):
@@ -708,6 +711,79 @@ def test_which_numbers_of_viscoelastic_materials_count(keywords, functor, expect
 def test_a_reset_begins_another_system():
     rest = "O.run(10)\nO.reset()\n" + script(rest="O.dt = 2e-6\nO.run(20)\n")
     assert [stage.system for stage in read(script(rest=rest)).stages] == [0, 1]
+
+
+@pytest.mark.parametrize(("rest", "steps"), [
+    ("O.saveTmp()\nO.dt = 1e-4\nO.run(10)\nO.loadTmp()\nO.run(20)\n", (1e-4, 1e-8)),
+    ("O.dt = 2e-4\nO.save('a.xml')\nO.run(10)\nO.reset()\nO.load('a.xml')\nO.dt *= 2\nO.run(20)\n", (2e-4, 4e-4)),
+])  # fmt: skip
+def test_a_scene_is_loaded_as_it_was_saved(rest, steps):
+    """With its time step, as in 2023.02a, and its spheres."""
+    stages = read(script(rest=rest)).stages
+    assert tuple(stage.time_step for stage in stages) == steps
+    assert [stage.contents.count for stage in stages] == [1, 1]
+
+
+@pytest.mark.parametrize(("name", "what"), [
+    ("Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM", "contacts that yield"),
+    ("Ip2_FrictMat_FrictMat_LubricationPhys", "a fluid between grains"),
+    ("Ip2_BubbleMat_BubbleMat_BubblePhys", "contacts of bubbles"),
+    ("Ip2_CpmMat_CpmMat_CpmPhys", "adhesion or bonds"),
+])  # fmt: skip
+def test_other_forces_are_named(name, what):
+    findings = read(script((f"{name}()", MINDLIN[1]))).invalidates
+    assert [finding.what.startswith(what) for finding in findings] == [True]
+
+
+def test_lubricated_contacts_have_no_restitution_of_their_own():
+    """That of 2023.02a depends on the speed: 0.865 where en = 0.9 without the fluid gives 0.907."""
+    material = "O.materials.append(ViscElMat(young=1e5, poisson=0.5, en=0.9, et=1, density=2500{}))\n"
+    for words, contacts in (("", 1), (", lubrication=True, viscoDyn=0.02, roughnessScale=1e-4", 0)):
+        text = script(VISCEL, material.format(words), SPHERE + SPHERE)
+        assert len(read(text).stages[0].contacts) == contacts
+    assert "a fluid between grains" in hl.check(text).sentence
+
+
+@pytest.mark.parametrize(("radius", "gap", "numbers"), [
+    (0.05, 0, (537, 360, 5065, 3544, 882, 648)),
+    (0.07, 0.02, (113, 78, 1164, 820, 176, 192)),
+    (0.2, 0.1, (1, 0, 25, 17, 3, 4)),
+    (0.03, 0.001, (2716, 1914, 23824, 16852, 4724, 3696)),
+])  # fmt: skip
+def test_the_spheres_of_a_lattice_are_counted(radius, gap, numbers):
+    """As by 2023.02a."""
+    spaces = (
+        "inSphere((0, 0, 0), 0.5)",
+        "inSphere((0.1, 0.2, 0.3), 1)",
+        "inAlignedBox((0, 0, 0), (1, 1.3, 0.7))",
+    )
+    lattices = [f"{name}(pack.{space}, radius={radius}, gap={gap})" for space in spaces for name in LATTICES]
+    for lattice, number in zip(lattices, numbers, strict=True):
+        text = script(bodies=f"{SPHERE}O.bodies.append(pack.{lattice})\n")
+        assert read(text).stages[0].contents.count == 1 + number
+    repeated = script(bodies=f"{SPHERE}while more(): O.bodies.append(pack.{lattices[2]})\n")
+    assert read(repeated).stages[0].contents.count is None
+
+
+def test_the_speeds_of_factories_are_those_of_impacts():
+    factory = "BoxFactory(maxParticles=9, rMin=1e-3, rMax=2e-3, vMin={0}, vMax={0}, materialId=0)"
+    for speed in (100, 0.5):
+        rest = f"O.engines += [{factory.format(speed)}]\nO.dt = 1e-6\nO.run(10)\n"
+        said = [number for number in hl.check(script(rest=rest)).inferred if number.what == "speed"]
+        assert [(number.value, "factory" in number.source) for number in said] == [(speed, True)]
+
+
+@pytest.mark.parametrize("place", ["", "\n    label='glass', ", "label='glass', "])
+def test_a_corrected_line_says_for_which_restitution_it_is(place):
+    """The next check reads it, also behind the last line of a call."""
+    material = f"O.materials.append(ViscElMat({place}density=2500, tc=1e-3, en=0.7, et=0.5))"
+    text = script(VISCEL, f"{material}\n", SPHERE + SPHERE)
+    (line,) = [line for line in hl.check(text, speed=0.1).corrected if "ViscElMat" in line]
+    call, _, comment = line.partition("  # ")
+    assert comment == "for a restitution of 0.7" and "en=0.679" in call
+    verdict = hl.check(text.replace(material, f"O.materials.append({call})  # {comment}"), speed=0.1)
+    assert not verdict.corrected
+    assert [(row.restitution_asked, round(row.restitution, 4)) for row in verdict.rows] == [(0.7, 0.7)]
 
 
 # --- friction -------------------------------------------------------------------------------------------------------

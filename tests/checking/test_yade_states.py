@@ -47,12 +47,31 @@ def said(bodies, gravity=DOWN, engine="", end=""):
 @pytest.mark.parametrize("word", ["goal", "sigma"])
 def test_the_stresses_of_a_triaxial_cell_by_axes(word):
     """As in 2023.02a, and by their names in older versions; only those under stress control count."""
-    controls = "stressControl_1=True, stressControl_2=False, stressControl_3=True"
+    controls = "stressControl_1=True, stressControl_2=False, stressControl_3=True, internalCompaction=False"
     engine = f"ThreeDTriaxialEngine({controls}, {word}1=-1e4, {word}2=-7e4, {word}3=-2e4)"
     assert said(CLOUD, "", engine).pressure == 1.5e4
     assert (
         said(CLOUD, "", engine.replace("stressControl_2=False", "stressControl_2=True")).pressure == 1e5 / 3
     )
+
+
+def test_spheres_of_unknown_clumps_are_pressed_more_than_the_script_says():
+    """In 2023.02a the spheres of clumps of 13 at 50 kPa overlap by 4.4 % of R; single ones would by 2 %."""
+    clumps = "O.bodies.appendClumped(pack.regularHexa(pack.inSphere((0, 0, 0), float(size)), radius=1e-3, gap=0))\n"
+    engine = "TriaxialStressController(goal1=-1e4, goal2=-1e4, goal3=-1e4, internalCompaction=False)"
+    alone, clumped = said(CLOUD, "", engine), said(CLOUD + clumps, "", engine)
+    assert (alone.pressure_is_least, clumped.pressure_is_least) == (False, True)
+    assert alone.pressure == clumped.pressure == 1e4 and "spheres of a clump" in clumped.pressure_from
+
+
+def test_a_grain_between_walls_that_press_it_has_no_impact():
+    """Its overlap is what the walls make of it."""
+    ball = "O.bodies.append(sphere((0, 0, 0), 0.01))\nlow = O.bodies.append(wall(-0.01, 2))\n"
+    moved = "top = wall(0.01, 2)\ntop.state.vel = (0, 0, {})\nO.bodies.append(top)"
+    pressed = said(ball, "", end=moved.format(-1e-3))
+    assert (pressed.name, pressed.grains, pressed.overlap) == ("pressed", None, None)
+    assert pressed.largest_stable_step > 0.0
+    assert said(ball, "", end=moved.format(0)).grains == 1
 
 
 def test_a_controller_that_keeps_the_stress_it_has_reached():
@@ -268,7 +287,8 @@ def test_surfaces_made_of_triangles():
 
 def test_the_box_around_a_lattice():
     lattice = (
-        "ids = O.bodies.append(pack.regularOrtho(pack.inSphere((0, 0, 0.1), 0.1), radius=0.005, gap=0))\n"
+        "ball, hole = pack.inSphere((0, 0, 0.1), 0.1), pack.inSphere((9, 9, 9), 1)\n"
+        "ids = O.bodies.append(pack.regularOrtho(ball - hole, radius=0.005, gap=0))\n"
     )
     sizes = (
         "from yade import bodiesHandling\nsize = bodiesHandling.spheresPackDimensions(ids)\n"

@@ -49,7 +49,7 @@ HOMOGENEOUS = "the law of the error is that of a homogeneous gas"
 #: What is said of grains in free fall, or at rest without gravity.
 NEVER_MEET: Final = (
     "no grain meets another or a wall (t_c ν = 0): all start with one velocity, or side by side along gravity, which "
-    "acts on all alike, and there is no wall"
+    "acts on all alike, and no wall is in their way"
 )
 
 OF_MANY: Final = "the law of the error is that of a gas of many grains"
@@ -266,7 +266,7 @@ def _invalid(invalidates: Sequence[Finding]) -> str:
     first = invalidates[0]
     kinds = tuple(dict.fromkeys(first.types or ()))
     where = f" of type{'s' * (len(kinds) > 1)} {listed(kinds)}" if kinds else ""
-    more = len(invalidates) - 1
+    more = len({finding.what for finding in invalidates} - {first.what})
     others = f" (and {more} other reason{'s' * (more > 1)})" if more else ""
     return f"No: {first.what}{where}, which no event-driven simulation can follow{others}."
 

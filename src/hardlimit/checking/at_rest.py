@@ -659,7 +659,7 @@ class Load:
     origin: str = ""  #: of the pressure, in words
     weight: bool = False  #: whether it is the weight above, not the mean of the normal stresses
     bound: bool = False  #: whether it is at most this
-    unloaded: bool = False  #: whether it is at least this, since a run before prescribed more
+    unloaded: bool = False  #: whether it is at least this, as after a run that prescribed more
     sparse: bool = False  #: whether grains are too few to cover the floor, and may lie beside each other
     uniaxial: bool = False  #: whether it is the stress along one axis, and nothing prescribes the others
     friction: float = 0.0  #: largest coefficient of the grains

@@ -47,7 +47,7 @@ def lines(
     ``largest``: the step of a state in which contacts last, where no error of ε matters. A numerical damping is left
     out only if the script asks for an ε below 1, and contacts have one: without it, grains may be undamped.
     """
-    numbers = list(dict.fromkeys(_numbers(examined, code != "yade")))
+    numbers = list(dict.fromkeys(_numbers(examined)))
     lines = dict.fromkeys(numbers)
     wanted = [case.restitution_asked for case, _ in examined if case.restitution_asked is not None]
     damped = bool(wanted and examined[-1][0].numerical_damping)
@@ -129,10 +129,10 @@ def _rounded(word: str) -> str:
     return f"{float(word):.12g}" if NUMBER.fullmatch(word) else word
 
 
-def _numbers(examined: Examined, commented: bool) -> Iterator[str]:
+def _numbers(examined: Examined) -> Iterator[str]:
     """The lines whose number gives another ε than the one asked for.
 
-    ``commented``: a line says in a comment for which ε it is, so that the next check reads it as the one asked for.
+    A line says in a comment for which ε it is, so that the next check reads it as the one asked for.
     """
     needed: dict[tuple[str, ...], list[Need]] = {}
     for case, row in examined:
@@ -173,7 +173,7 @@ def _numbers(examined: Examined, commented: bool) -> Iterator[str]:
         statements.setdefault(text, []).append((tuple(words), needs))
     for text, settings in statements.items():
         restitutions = {need.case.restitution_asked for _, needs in settings for need in needs}
-        is_said = commented and len(restitutions) == 1 and not WANTED.search(text)
+        is_said = len(restitutions) == 1 and not WANTED.search(text)
         comment = f"  # for a restitution of {restitutions.pop():g}" if is_said else ""
         if MATRIX in text and all(len({need.number for need in needs}) == 1 for _, needs in settings):
             yield from _matrix(text, {words[0]: needs[0] for words, needs in settings}, comment)

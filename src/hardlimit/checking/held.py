@@ -96,16 +96,24 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
         return replace(grains, never_meet=True)
     stated_speeds = [number.value for number in final.inferred if number.what == "speed"]
     speeds = final.options.speeds or tuple(stated_speeds)
-    prescribed = grains.name == "pressed" and grains.pressure is not None
+    pressed = grains.name == "pressed"
+    known = loaded or (pressed and grains.pressure is not None) or around.state is not None
     if many and around.cases and all(case.second is None for case in around.cases):
         count = 0.0  # none meets another one
     shaken = grains.name == "shaken" and grains.shaking is not None
-    if loaded or prescribed or shaken or around.state is not None or (not speeds and stage.units == "lj"):
+    if known or shaken or (not speeds and stage.units == "lj"):
         return grains
     speed = max(speeds, default=CHOSEN_SPEEDS[-1] * time / length)
     if count is not None and 0 <= count <= FEW:
         usual = not final.options.speeds and any(number.source == SUPPOSED for number in final.inferred)
         state = few.with_contact(grains, around.cases, count, speed, stage.time_step, usual or not speeds)
+        if pressed:  # no impact makes its overlap
+            state = replace(
+                grains,
+                impact_speed=state.impact_speed,
+                largest_stable_step=state.largest_stable_step,
+                step_share=state.step_share,
+            )
     elif grains.name == "gas" and not any(row.tc_nu for row in final.rows):
         gas, stream = final.gas, stage.contents.stream
         bound = stream is not None and gas.packing_fraction is None and not final.options.speeds

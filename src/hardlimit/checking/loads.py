@@ -214,8 +214,13 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
     if options.height is None and less_than_a_layer(contents, around.dimension):
         if density is None or not contents.filled:
             return {}
-        pressure = weight(heap(contents.filled / phi, around.dimension), phi * density, gravity)
-        origin = f"below a heap of {contents.count:.0f} grains at 45°, as they do not cover the floor"
+        volume, thick = contents.filled / phi, contents.layer
+        deep = heap(volume, around.dimension) if thick is None else heap(volume / thick, 2)
+        pressure = weight(deep, phi * density, gravity)
+        origin = (
+            f"below a heap of {contents.count:.0f} grains at 45°{'' if thick is None else ' in one plane'}"
+        )
+        origin += ", as they do not cover the floor"
         return {"pressure": pressure, "origin": origin, "weight": True, "bound": True, "sparse": True}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
@@ -245,6 +250,8 @@ def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]
     """The pressure of the script. Grains that a piston relieves keep a part of what pressed them across it before."""
     origin = BY_SCRIPT + f"; up to {SHEARED:g} times that while one axis is compressed" * stage.strained
     origin += ", until a callback changes it" * stage.pressure_changes
+    if stage.contents.other_clumps:
+        return {"pressure": pressure, "origin": f"{origin}, more on the spheres of a clump", "unloaded": True}
     known = {"pressure": pressure, "origin": origin}
     if not stage.uniaxial or around.before < UNLOADED * pressure:
         return known

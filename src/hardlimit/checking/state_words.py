@@ -111,8 +111,8 @@ def _drum(state: GrainState, plain: bool) -> str:
     rolls, throws, whirls = (digits(x, 2) if plain else length(float(f"{x:.2g}")) for x in radii)
     if state.rolling_radius is None:
         return f"A drum that turns so throws its grains from R = {throws} on (Fr = ω²R/g = 0.1)"
-    rolling = f"A drum that turns so is rolling up to R = {rolls} (Fr = ω²R/g = 0.01)"
-    return f"{rolling}, throws its grains from {throws} on (0.1), centrifuging from {whirls} on (1)"
+    rolling = f"In a drum that turns so grains roll up to R = {rolls} (Fr = ω²R/g = 0.01)"
+    return f"{rolling}, are thrown from {throws} on (0.1), and turn with it from {whirls} on (1)"
 
 
 def _speed(state: GrainState, plain: bool) -> str:

@@ -116,11 +116,15 @@ class Contents:
     height_from: str = ""  #: where this comes from, in words
     packed: float = 0.0  #: packing fraction of the grains when they are made, if it may exceed that of a bed
     without: str = ""  #: what else may press them, in words
+    layer: float | None = (
+        None  #: thickness of the one vertical layer in which they are made; None if they are not
+    )
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
     stream: float | None = None  #: largest packing fraction of a stream into open space
     never_meet: bool = False  #: whether no grain meets another or a wall
     pours: bool = False  #: whether all that is below the grains is open, as a funnel is
     concentration: float = 1.0  #: force on a sphere of a clump over that on a sphere like it, at most
+    other_clumps: bool = False  #: whether there are clumps of which this is not known
     poured: bool = False  #: whether all grains fall from where they are inserted, few at a time
     most: float | None = None  #: number of grains at most, if they are inserted again and again ...
     most_filled: float | None = None  #: ... and their volume, in two dimensions their area

@@ -55,38 +55,36 @@ def plane(corners: Triangles) -> tuple[tuple[float, ...], float] | None:
     return (tuple(map(float, normals[0])), float(areas.sum())) if flat else None
 
 
-def sheds(corners: Triangles, down: Sequence[float], slope: float) -> bool:
+def sheds(corners: Triangles, down: Sequence[float], slope: float, top: float = math.inf) -> bool:
     """Whether what slides down all slopes above this angle [°] leaves a mesh: no face, valley or hollow holds it.
 
-    False as well if it is not known, as of a mesh of several parts.
+    ``top``: the height of the highest grains, against ``down``, above which a mesh holds none.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     points = corners.reshape(-1, 3)
-    size, least = np.ptp(points, axis=0).max(), math.sin(math.radians(slope))
+    size, least = float(np.ptp(points, axis=0).max()) or 1.0, math.sin(math.radians(slope))
     _, first, ends = np.unique(
         np.round(points / (MERGED * size)), axis=0, return_index=True, return_inverse=True
     )
     ends = ends.reshape(-1, 3)
     ends = ends[(ends != np.roll(ends, 1, axis=1)).all(axis=1)]  # without triangles of no area
+    ends = ends[np.unique(np.sort(ends, axis=1), axis=0, return_index=True)[1]]  # each once
+    if not len(ends):
+        return False
     places, heights = points[first], -points[first] @ np.asarray(down, float)
     normals = np.cross(places[ends[:, 1]] - places[ends[:, 0]], places[ends[:, 2]] - places[ends[:, 0]])
     flat = np.linalg.norm(np.cross(normals, down), axis=1) < least * np.linalg.norm(normals, axis=1)
     sides = np.sort(ends[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
     edges, of_edge, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
-    links = coo_array((np.ones(len(edges)), edges.T), shape=(len(first), len(first)))
-    if not len(ends) or flat.any() or connected_components(links)[0] > 1:
-        return False
     opposite = np.full(len(edges), np.inf)
     np.minimum.at(opposite, of_edge.reshape(-1), heights[ends[:, [2, 0, 1]]].reshape(-1))
     rise = heights[edges[:, 1]] - heights[edges[:, 0]]
     steep = np.abs(rise) >= least * np.linalg.norm(places[edges[:, 1]] - places[edges[:, 0]], axis=1)
     valley = ~steep & (count > 1) & (opposite >= heights[edges].max(axis=1) - MERGED * size)
-    leaves = np.zeros(len(first), bool)  # a corner: down a steep edge, or over the border of the mesh
+    leaves = heights >= top  # a corner: too high, down a steep edge, or over the border of the mesh
     leaves[np.where(rise > 0.0, edges[:, 1], edges[:, 0])[steep]] = True
     leaves[edges[count == 1]] = True
-    return bool(leaves.all() and not valley.any())
+    holds = [flat & (heights[ends].min(axis=1) < top), valley & (heights[edges].min(axis=1) < top), ~leaves]
+    return not any(map(np.any, holds))
 
 
 def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:

@@ -18,6 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from .description import WANTED
 from .statements import Refusal, quoted, refusal
 
 #: A print statement of Python 2.
@@ -158,6 +159,7 @@ class Evaluator:
     names: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.lines = self.text.splitlines()
         self.instances: list[Instance] = []
         self.functions: dict[str, ast.FunctionDef] = {}
         self.defaults: dict[ast.AST, dict[str, Any]] = {}  #: of the arguments of functions
@@ -589,11 +591,18 @@ class Evaluator:
             changed, attribute, value = arguments
             self.assigned(changed.text if isinstance(changed, Unknown) else changed, attribute, value, node)
             return None
-        text = quoted("", node.lineno, self.source(node)).text
+        text = self.commented(node)
         instance = Instance(name, tuple(arguments), keywords, node.lineno, text)
         if isinstance(owner, Instance) and owner.name == "ArgumentParser":
             return parsed_argument(name, owner, instance)
         return self.called(name, owner, instance)
+
+    def commented(self, node: ast.Call) -> str:
+        """The text of a call, with the comment behind it that says for which ε it was corrected."""
+        text = quoted("", node.lineno, self.source(node)).text
+        end = node.end_lineno or 0
+        wanted = WANTED.search(self.lines[end - 1]) if 0 < end <= len(self.lines) else None
+        return text if wanted is None else f"{text}  {wanted[0].rstrip()}"
 
     def callee(self, node: ast.expr) -> tuple[Any, str]:
         """What stands before the dot of a function, and the function's name; empty if it has none."""

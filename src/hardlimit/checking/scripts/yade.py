@@ -58,6 +58,8 @@ REVIVED: Final = re.compile(r"\.dead\s*=(?!\s*(True|1\b))|setattr")
 IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  #: ``Matrix3.Identity``
 #: Surfaces of triangles.
 SURFACES: Final = ("sweptPolylines2gtsSurface", "Surface")
+#: What keeps a body from moving by forces.
+HELD: Final = (("dynamic", False), ("blockedDOFs", "xyzXYZ"))
 #: A body by its number.
 OF_NUMBER: Final = re.compile(r"O\.bodies\[(\w+)\](?:\.state)?")
 #: Most bodies that a loop runs over one by one.
@@ -83,6 +85,7 @@ class Yade(Evaluator):
         self.foreign: set[str] = set()  #: names of modules that are not known
         self.table: dict[str, Any] = {}
         self.of_spheres: set[str] = set()  #: names of loops over numbers of spheres
+        self.of_walls: set[str] = set()  #: and over those of walls and boxes
         self.scene = Scene(file, part, REVIVED.search(text) is not None, self.instances)
         self.body_calls = BodyCalls(self.scene, self, folder)
         self.scene.engines = self.value(ast.parse(DEFAULT_ENGINES, mode="eval").body)
@@ -242,7 +245,10 @@ class Yade(Evaluator):
             self.wall_moved(name, value)
         if name == "vel" and not sphere:
             place = shape_of(owner) if isinstance(owner, Instance) else None
-            scene.pushed = Push(vector(value), None if place is None else place[0], self.quoted(node))
+            is_wall = body is not None or self.is_wall(owner)
+            scene.pushed = Push(
+                vector(value), None if place is None else place[0], self.quoted(node), is_wall
+            )
         if owner == "O":
             self.scene_assigned(name, value, node)
         elif owner == "O.cell":
@@ -256,6 +262,8 @@ class Yade(Evaluator):
         elif name == "blockedDOFs" and isinstance(value, str) and not fixes(value):
             scene.locked = scene.locked if turns(value) else self.quoted(node)
             scene.planar |= is_planar(value)
+        elif (name, value) in HELD and self.is_wall(owner):
+            pass  # no force moves it, or it is a box that is quoted where it is made
         elif name in CHANGING:
             scene.weighed |= name == "mass"
             fixed = name == "blockedDOFs" and isinstance(value, str) and fixes(value)
@@ -275,14 +283,23 @@ class Yade(Evaluator):
         if isinstance(target, ast.Name):
             numbers = self.value(iterable)
             from_pack = isinstance(numbers, Instance) and numbers.name == "toSimulation"
+            of_walls = self.numbers_walls(numbers)
             self.of_spheres = self.of_spheres - {target.id} | ({target.id} if from_pack else set())
+            self.of_walls = self.of_walls - {target.id} | ({target.id} if of_walls else set())
         super().loop(target, iterable, body)
 
     def is_sphere(self, body: Body | None, text: Any) -> bool:
         """Whether a body is a sphere; one of unknown number, if it is from ``SpherePack.toSimulation``."""
-        if body is None and isinstance(text, str) and (match := OF_NUMBER.fullmatch(text)):
-            return match[1] in self.of_spheres
-        return body is not None and body.kind == "sphere"
+        return number_in(text) in self.of_spheres if body is None else body.kind == "sphere"
+
+    def is_wall(self, text: Any) -> bool:
+        """Whether a text stands for a wall or a box, by a number of a loop or that ``O.bodies.append`` returned."""
+        name = number_in(text)
+        return name in self.of_walls or self.numbers_walls(self.names.get(name))
+
+    def numbers_walls(self, value: Any) -> bool:
+        """Whether a value stands for the numbers of walls or boxes."""
+        return isinstance(value, Unknown) and value.text in self.scene.filling.container.walls_only
 
     def wall_moved(self, name: str, value: Any) -> None:
         """The place or the velocity of a wall, or of an unknown body."""
@@ -542,6 +559,12 @@ def extent(scene: Scene) -> Ends | None:
     spheres = [body for body in scene.bodies if body.kind == "sphere"]
     exact = all(body.ends is not None and (body.filled or not body.several) for body in spheres)
     return around_all([body.ends for body in spheres if body.ends]) if spheres and exact else None
+
+
+def number_in(text: Any) -> str:
+    """The name of the number of a body in a text such as ``O.bodies[k].state``; empty for others."""
+    match = OF_NUMBER.fullmatch(text) if isinstance(text, str) else None
+    return "" if match is None else match[1]
 
 
 def fixes(degrees: str) -> bool:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from .description import Range
 from .population import union
 from .python import Evaluator, Instance, Unknown, flat
@@ -26,7 +28,16 @@ from .yade_clumps import (
 )
 from .yade_container import Ends, vector
 from .yade_container import union as around
-from .yade_extents import Centre, Drawn, around_ball, ends_of_facets, shifted, span
+from .yade_extents import (
+    Centre,
+    Drawn,
+    around_ball,
+    ends_of_facets,
+    ends_of_rows,
+    shifted,
+    span,
+    triangles_of,
+)
 from .yade_filling import (
     DENSITIES,
     TEXTS,
@@ -40,6 +51,7 @@ from .yade_filling import (
     spheres_in,
     uniform,
 )
+from .yade_lattices import centres
 from .yade_scene import UNCOUNTED, Body, Scene, as_range
 
 DEFAULT_MATERIAL: Final = {"young": 1e7, "poisson": 0.3, "density": 1000.0, "label": "defaultMat"}
@@ -124,8 +136,10 @@ class BodyCalls:
 
     def append(self, instance: Instance, clumped: bool) -> None:
         """``O.bodies.append``: bodies, lists of them, or packings."""
-        scene = self.scene
-        for part in flat([*instance.arguments, *instance.attributes.values()]):
+        scene, parts = self.scene, flat([*instance.arguments, *instance.attributes.values()])
+        if parts and all(isinstance(part, Instance) and part.name in SHAPES for part in parts):
+            scene.filling.container.walls_only.add(instance.text)
+        for part in parts:
             elements = part.made if isinstance(part, Instance) else []
             bodies = [body for body in elements if isinstance(body, Body)]
             spheres = [body for body in bodies if body.kind == "sphere"]
@@ -133,7 +147,7 @@ class BodyCalls:
             scene.filling.census.lots += [body.lot for body in spheres]
             scene.filling.fixed += [body.lot for body in spheres if body.frozen]
             scene.filling.container.spheres += [body.ends for body in spheres if not body.frozen]
-            if isinstance(part, Instance) and not spheres:
+            if isinstance(part, Instance) and not spheres and part.name not in LATTICES:
                 walls = scene.filling.container.appended.setdefault(instance.text, [])
                 walls.append(ends_of_facets(part, self.folder))
             scene.filling.container.fix([body.ends for body in spheres if body.frozen])
@@ -141,7 +155,7 @@ class BodyCalls:
             if clumped and isinstance(part, Instance):
                 own = of_lattice(part) if part.name != "sphere" else self.clumped(instance)
                 self.clumps(replace(part, name="appendClumped"), own)
-            other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES)
+            other = isinstance(part, Instance) and part.name in (*CLUMPS, *OTHER_SHAPES, *LATTICES)
             if isinstance(part, Unknown | Instance) and not bodies and not other:
                 scene.elsewhere = True
                 if not (isinstance(part, Instance) and part.name in FILES):
@@ -183,13 +197,24 @@ class BodyCalls:
 
     def sphere(self, instance: Instance) -> None:
         """``sphere(center, radius, …)``."""
-        radius, centre = drawn(instance.argument(1, "radius")), vector(instance.argument(0, "center"))
+        radius = drawn(instance.argument(1, "radius"))
         body = self.body(instance, "sphere", radius)
         body.lot = uniform(None if body.several else 1.0, radius)
         body.ends = made_ends(instance)
         instance.made.append(body)
-        if centre is not None and not body.frozen:
-            self.scene.filling.places.append((centre, centre, radius[0] if radius else 0.0))
+        if (
+            body.ends is not None
+            and radius is not None
+            and not isinstance(instance.argument(0, "center"), Centre)
+        ):
+            self.place(body, radius)
+
+    def place(self, body: Body, radius: Range) -> None:
+        """Where the centre of a sphere that falls is made."""
+        if body.ends is not None and not body.frozen:
+            low, high = (shifted(body.ends, (sign * radius[1],) * 3) for sign in (1.0, -1.0))
+            assert low is not None and high is not None
+            self.scene.filling.places.append((low[0], high[1], radius[0]))
 
     def shape(self, instance: Instance) -> None:
         """Facets, walls and boxes."""
@@ -197,7 +222,8 @@ class BodyCalls:
         body.several |= instance.name not in ("facet", "wall", "box")
         body.frozen |= instance.name != "box"
         obstacle(self.scene.filling, instance)
-        self.scene.filling.container.add(instance, ends_of_facets(instance, self.folder))
+        reach, mesh = ends_of_facets(instance, self.folder), triangles_of(instance, self.folder)
+        self.scene.filling.container.add(instance, reach, mesh)
         self.scene.filling.container.known &= body.frozen  # a box that moves may lie on the grains
         if instance.name == "box":
             half = instance.argument(1, "extents")
@@ -223,10 +249,24 @@ class BodyCalls:
         else:
             place = 2 if instance.name == "randomDensePack" else -1
             spheres = [self.body(instance, "sphere", size, place) for size in sizes]
+            if instance.name in LATTICES and (places := centres(instance)) is not None:
+                instance.made += self.of_lattice(spheres[0], places)
+                return
             filled = instance.name in LATTICES
             instance.made += [
                 replace(sphere, several=True, ends=ends_of(instance), filled=filled) for sphere in spheres
             ]
+
+    def of_lattice(self, sphere: Body, places: np.ndarray) -> list[Body]:
+        """The spheres of a lattice at these places, if there are any."""
+        if not len(places) or sphere.radii is None:
+            return []
+        number = None if self.script.repeats else float(len(places))
+        low, high = ends_of_rows(places)
+        radius = sphere.radii[1]
+        ends = tuple(x - radius for x in low), tuple(x + radius for x in high)
+        lot = uniform(number, sphere.radii)
+        return [replace(sphere, several=True, ends=ends, filled=True, lot=lot)]
 
     def pack_method(self, name: str, pack: Instance, instance: Instance) -> None:
         """Methods of a SpherePack."""
@@ -318,7 +358,7 @@ class BodyCalls:
         """Clumps of these sizes, or shapes of unknown ones."""
         filling = self.scene.filling
         filling.container.known &= own is not None
-        filling.clumped = (filling.clumped or Clumped()).with_(own or Clumped())
+        filling.clumped = (filling.clumped or Clumped()).with_(own or Clumped(unknown=True))
         self.scene.counted = min(self.scene.counted, len(self.scene.bodies))  # a clump has a number as well
         what = f"clumps or shapes that are no spheres ({instance.name})"
         self.scene.invalidate(what, self.scene.at(instance))

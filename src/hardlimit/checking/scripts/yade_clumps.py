@@ -33,10 +33,12 @@ class Clumped(NamedTuple):
     )
     heavier: float = 1.0  #: mass over that of its volume
     reach: float = 0.0  #: its extent over that radius
+    unknown: bool = False  #: whether there is a clump whose numbers are not known
 
     def with_(self, other: Clumped) -> Clumped:
         """The larger numbers of both."""
-        return Clumped(*map(max, self, other))
+        concentration, heavier, reach = (max(pair) for pair in zip(self[:3], other[:3], strict=True))
+        return Clumped(concentration, heavier, reach, self.unknown or other.unknown)
 
 
 def of_spheres(table: Spheres, discretized: bool) -> Clumped:

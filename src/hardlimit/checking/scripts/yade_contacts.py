@@ -30,6 +30,8 @@ SHAPE_NAMES: Final = {"sphere": "Sphere", "facets": "Facet", "walls": "Wall", "b
 #: Radius of a body over that of the sphere that it touches: 1e8 with ``hertzian=True``.
 SIZES: Final = {"facets": 2.0, "walls": 1.0, "boxes": 1.0}
 
+#: What ``lubrication`` of ViscElMat does to a contact.
+LUBRICATED: Final = "a fluid between grains (lubrication)"
 #: Poisson's ratio of an incompressible material.
 LARGEST_RATIO: Final = 0.5
 
@@ -190,6 +192,8 @@ def no_spring(contact: Contact) -> str:
     functor, pair = contact.functor, contact.pair
     if contact.physics == "ViscElPhys" and all(each.attributes.get("SPHmode", False) for each in pair):
         return "smoothed-particle hydrodynamics (SPHmode)"
+    if contact.physics == "ViscElPhys" and any(each.attributes.get("lubrication", False) for each in pair):
+        return LUBRICATED  # ε changes with the speed
     if contact.physics != "CohFrictPhys":
         return ""
     bonds = [functor.attributes.get(name, False) for name in ("setCohesionNow", "setCohesionOnNewContacts")]

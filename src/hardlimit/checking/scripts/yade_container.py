@@ -10,13 +10,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple
 
+import numpy as np
+
 from .description import Direction
+from .meshes import Triangles, sheds
 from .python import Instance
 
 #: Cosine of the angle up to which gravity counts as along an axis.
 ALONG: Final = 1.0 - 1e-6
 #: The same for a slope, on which a bed is as high everywhere in a periodic cell: 45°.
 TILTED: Final = math.sqrt(0.5)
+#: Angle [°] of a slope up to which a bed may stay on it: in YADE 2023.02a heaps stay on 6 to 22° and creep at 31°.
+STAYS: Final = 30.0
 #: Largest number whose third power is finite.
 LARGEST: Final = 1e100
 #: Rounding error of positions over the largest of them.
@@ -77,7 +82,10 @@ class Container:
     solid: list[Ends] = field(default_factory=list)  #: of boxes
     bumps: list[Ends] = field(default_factory=list)  #: of spheres that do not move
     masks: dict[Ends, int] = field(default_factory=dict)  #: of what stands around the axis z, by its ends
+    vessels: list[Ends] = field(default_factory=list)  #: of meshes and other facets of functions
+    meshes: dict[Ends, Triangles] = field(default_factory=dict)  #: triangles of facets, by their ends
     appended: dict[str, list[Ends | None]] = field(default_factory=dict)  #: walls by the text of the call
+    walls_only: set[str] = field(default_factory=set)  #: texts of the calls that append nothing else
     unsure: list[Ends | None] = field(default_factory=list)  #: of spheres some of which may not move
     plain: bool = True  #: whether all walls are such faces and cylinders
     normals: set[int] = field(default_factory=set)  #: the axes along which walls push
@@ -92,20 +100,26 @@ class Container:
         0.0  #: largest packing fraction of spheres when they are made, if it may exceed that of a bed
     )
 
-    def add(self, instance: Instance, reach: Ends | None) -> None:
-        """A wall, a box or facets, with how far they reach if that is known."""
-        if instance.attributes.get("mask") == 0:
+    def add(self, instance: Instance, reach: Ends | None, mesh: Triangles | None) -> None:
+        """A wall, a box or facets, with how far they reach and their triangles if that is known."""
+        if instance.attributes.get("mask") == 0 or instance.attributes.get("noBound") in (True, 1):
             return  # it touches nothing
         mask = mask_of(instance)
         if mask is not None and reach is not None:
             self.masks[reach] = self.masks.get(reach, 0) | mask
         shape = shape_of(instance)
+        place = reach if shape is None else shape[0]
+        if mesh is not None and place is not None:
+            known = self.meshes.get(place)
+            self.meshes[place] = mesh if known is None else np.concatenate([known, mesh])
         if shape is None or (instance.name == "facet" and flat_axis(shape[0]) is None):
             self.slanted = True
         if shape is None:
             self.plain = False
             self.everywhere &= reach is not None
-            self.ends += [] if reach is None else [reach]
+            known_reach = [] if reach is None else [reach]
+            self.ends += known_reach
+            self.vessels += known_reach if instance.name != "facetBox" else []
             return
         ends, faces = shape
         flat = flat_axis(ends) if instance.name == "facet" else None
@@ -131,10 +145,28 @@ class Container:
         return tuple(units)
 
     @property
+    def walls(self) -> list[Ends]:
+        """The ends of walls, facets and boxes."""
+        return [*self.ends, *self.solid]
+
+    def bottoms(self, k: int, sign: float) -> list[float]:
+        """The lower ends of meshes, and of what stands around the axis z if it is closed there."""
+        closed = [ends for ends, mask in self.masks.items() if k != 2 or mask & LOWER[sign]]
+        hollow = [*closed, *(ends for ends in self.vessels if ends not in self.masks)]
+        return [min(sign * end[k] for end in ends) for ends in hollow]
+
+    @property
     def around(self) -> Ends | None:
         """The ends of all spheres; None if they are not known."""
         known = [ends for ends in self.spheres if ends is not None]
         return union(known) if known and len(known) == len(self.spheres) and self.known else None
+
+    def thickness(self, down: Direction) -> float:
+        """The smallest extent of all spheres across gravity; infinite if it is not known."""
+        space, along = self.around, axis_of(down)
+        if space is None or along is None:
+            return math.inf
+        return min(high - low for k, (low, high) in enumerate(zip(*space, strict=True)) if k != along[0])
 
     def is_narrow(self, text: str, down: Direction) -> bool:
         """Whether the walls of a call cover at most a part of the area of the spheres, and no bed, across gravity."""
@@ -177,15 +209,22 @@ class Container:
     def pours(self, down: Direction) -> bool:
         """Whether nothing below the spheres catches them: all that reaches there is open at its lower end."""
         space, along = self.around, axis_of(down)
-        if space is None or along is None or along[0] != 2 or not self.everywhere or self.unsure:
+        if space is None or along is None or not self.everywhere or self.unsure:
             return False
-        lowest, sign = _lowest(space, along), along[1]
+        (k, sign), lowest = along, _lowest(space, along)
         below = [
             ends
-            for ends in (*self.ends, *self.solid, *self.bumps)
-            if min(sign * end[2] for end in ends) < lowest
+            for ends in (*self.walls, *self.bumps)
+            if math.isfinite(low := min(sign * end[k] for end in ends)) and low < lowest
         ]
-        return bool(below) and all(not self.masks.get(ends, LOWER[sign]) & LOWER[sign] for ends in below)
+        rounded = [ends for ends in below if ends in self.masks]
+        facets = [self.meshes[ends] for ends in below if ends not in self.masks and ends in self.meshes]
+        if not below or len(rounded) + len(facets) < len(below):
+            return False
+        if any(k != 2 or self.masks[ends] & LOWER[sign] for ends in rounded):
+            return False
+        top = max(sign * end[k] for end in space)
+        return not facets or sheds(np.concatenate(facets), down, STAYS, top)
 
     def turned(self, axis: Direction) -> float | None:
         """The diameter of the circle around the axis in which all walls and spheres turn: no bed in them is higher."""

@@ -20,9 +20,9 @@ import numpy as np
 
 from . import meshes
 from .commands import text_of
-from .description import Range
+from .description import Direction, Range
 from .python import Instance, Unknown
-from .yade_container import LARGEST, Ends, box_around, is_number, union, vector
+from .yade_container import LARGEST, Ends, Face, box_around, is_number, shape_of, union, vector
 
 #: Functions of random numbers without arguments, and those between their first two.
 UNIT: Final = ("random", "rand", "random_sample")
@@ -304,8 +304,70 @@ def ends_of_rows(points: np.ndarray) -> Ends:
     return tuple(map(float, points.min(axis=0))), tuple(map(float, points.max(axis=0)))
 
 
+def triangles_of(instance: Instance, folder: Path | None) -> np.ndarray | None:
+    """The triangles of facets that are not turned, corners by axes; None if they are not known."""
+    name = instance.name
+    if name == "stl":
+        mesh, turn = points_of_mesh(instance, folder), turn_of(instance)
+        return None if mesh is None or turn is None else (mesh[0] @ turn.T + mesh[1]).reshape(-1, 3, 3)
+    if name == "facet":
+        corners = [vector(corner) for corner in instance.argument(0, "vertices") or ()]
+        return np.array([corners]) if len(corners) == 3 and None not in corners else None
+    shape = shape_of(instance) if name == "facetBox" else None
+    if shape is not None:
+        return np.array([triangle for face in shape[1] for triangle in halves(face)]).reshape(-1, 3, 3)
+    surface = instance.argument(0, "surf") if name == "gtsSurface2Facets" else None
+    if not isinstance(surface, Instance) or surface.name != "sweptPolylines2gtsSurface":
+        return None
+    return None if "ends" in surface.attributes else swept(surface)
+
+
+def halves(face: Face) -> list[list[Direction]]:
+    """The two triangles of a rectangle."""
+    j, k = (axis for axis in range(3) if axis != face.axis)
+    low, high = face.ends
+    corners = []
+    for end_j, end_k in ((low, low), (high, low), (high, high), (low, high)):
+        corner = list(low)
+        corner[j], corner[k] = end_j[j], end_k[k]
+        corners.append(tuple(corner))
+    return [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]
+
+
+def swept(surface: Instance) -> np.ndarray | None:
+    """The triangles of ``sweptPolylines2gtsSurface``: between lines, and at its ends fans from their first points."""
+    lines = surface.argument(0, "pts")
+    try:
+        points = np.array([[vector(point) for point in line] for line in lines], float)
+    except (TypeError, ValueError):
+        return None
+    if points.ndim != 3 or not np.isfinite(points).all():
+        return None
+    a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
+    triangles = [np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((a, b, d), (a, d, c))]
+    for k, (place, name) in enumerate(((0, "capStart"), (-1, "capEnd"))):
+        if surface.argument(2 + k, name, False) not in (False, 0):
+            end = points[place]
+            triangles += [np.array([[end[0], end[j], end[j + 1]] for j in range(1, len(end) - 1)])]
+    return np.concatenate([each.reshape(-1, 3, 3) for each in triangles])
+
+
 def ends_of_mesh(instance: Instance, folder: Path | None) -> Ends | None:
-    """The ends of a mesh in a file beside the script; None if it is not there, or not understood."""
+    """The ends of a mesh in a file beside the script; None if they are not known."""
+    mesh, turn = points_of_mesh(instance, folder), turn_of(instance)
+    if mesh is None:
+        return None
+    points, by = mesh
+    if turn is None:
+        return shifted(around_ball(ends_of_rows(points), (0.0,) * 3), by)
+    return shifted(ends_of_rows(points @ turn.T), by)
+
+
+def points_of_mesh(instance: Instance, folder: Path | None) -> tuple[np.ndarray, Direction] | None:
+    """The vertices in a file beside the script before they are turned, and by what they are moved then.
+
+    None if the file is not there, or not understood.
+    """
     name = instance.argument(0, "file" if instance.name == "stl" else "meshfile")
     scale, by = (
         instance.attributes.get("scale", 1.0),
@@ -317,10 +379,7 @@ def ends_of_mesh(instance: Instance, folder: Path | None) -> Ends | None:
     points = vertices(folder / name, instance.name)
     if points is None or not len(points) or not np.isfinite(points).all():
         return None
-    turn = turn_of(instance)
-    if turn is None:
-        return shifted(around_ball(ends_of_rows(scale * points), (0.0,) * 3), by)
-    return shifted(ends_of_rows(scale * points @ turn.T), by)
+    return scale * points, by
 
 
 def vertices(path: Path, kind: str) -> np.ndarray | None:

@@ -33,6 +33,10 @@ POROSITY, LOOSE = 0.65, 0.75
 #: seen, and that in a periodic cell.
 ROOM: Final = {0.0: 0.25, 0.2: 0.32, 0.5: 0.36, 0.8: 0.34}
 FEWER, LESS_ROOM, MORE_ROOM = 100, 0.8, 1.1
+#: Rounding error of the place of a sphere that touches a floor.
+TOUCHING: Final = 1e-9
+#: Extent of spheres over their mean diameter up to which they are one layer.
+IN_LAYER: Final = 1.5
 #: Functions of ``ymport`` whose files have lines ``x y z r``.
 TEXTS: Final = ("text", "textExt")
 
@@ -65,6 +69,7 @@ class YadeFilling:
             tuple(speeds),
             lots=() if self.clumped else self.census.known,
             concentration=self.clumped.concentration if self.clumped else 1.0,
+            other_clumps=self.clumped is not None and self.clumped.unknown,
         )
 
     @property
@@ -117,10 +122,13 @@ class YadeFilling:
             source = "across the circle in which walls turn"
         if contents.count and contents.filled:
             diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
-            if contents.count * diameter < height and contents.count <= FEW:
+            stack, few = contents.count * diameter, contents.count <= FEW
+            one_layer = container.thickness(down) < IN_LAYER * diameter
+            contents = replace(contents, layer=diameter if one_layer else None)
+            if stack < height and few:
                 return contents
-            if contents.count * diameter < height:
-                height, source = contents.count * diameter, "of spheres in one stack"
+            if stack < height:
+                height, source = stack, "of spheres in one stack"
         return replace(
             contents,
             floor=floor,
@@ -246,10 +254,14 @@ def obstacle(filling: YadeFilling, instance: Instance) -> None:
         if known and len(known) == len(corners):
             axes = list(zip(*known, strict=True))
             filling.floors.append(((*map(min, axes),), (*map(max, axes),)))
+    elif instance.name == "facetBox" and (shape := shape_of(instance)) is not None:  # hollow
+        filling.floors += [face.ends for face in shape[1]]
     elif (centre := vector(first)) is not None and (half := vector(second)) is not None:
         ends = [tuple(c + sign * h for c, h in zip(centre, half, strict=True)) for sign in (-1.0, 1.0)]
-        if instance.name == "facetBox":  # hollow: its bottom
-            ends[1] = ends[0]
+        if instance.name == "facetBox":  # turned: where its bottom was before
+            ends[1] = tuple(
+                high if axis != 2 else low for axis, (low, high) in enumerate(zip(*ends, strict=True))
+            )
         filling.floors.append((ends[0], ends[1]))
 
 
@@ -267,15 +279,20 @@ def falls(filling: YadeFilling, stage: Stage, damped: float) -> Iterator[Speed]:
     if len(tops) == 2 and filling.is_few and are_stacked(filling, k):
         upper = tops.index(max(tops))
         tops[upper] -= 2.0 * filling.places[1 - upper][2]
-    obstacles = [*filling.floors, *(filling.container.bumps if filling.is_few else [])]
+    across = [axis for axis in range(3) if axis != k]
+    obstacles = [
+        *(ends for ends in filling.floors if all(ends[0][axis] < ends[1][axis] for axis in across)),
+        *(filling.container.bumps if filling.is_few else []),
+    ]
     ends = [max(sign * low[k], sign * high[k]) for low, high in obstacles]
+    ends += filling.container.bottoms(k, sign)
     along_it = [sign * velocity[k] for velocity in filling.velocities.values()] if filling.known else []
     rising = math.sqrt((1.0 - damped) / (1.0 + damped))  # what is left of a speed upwards back at its height
     start = max((v * rising if v > 0.0 else -v for v in along_it), default=0.0)
     for top in tops:
-        below = [end for end in ends if end < top]
-        if below and math.isfinite(top - max(below)):
-            height = top - max(below)
+        below = [end for end in ends if end <= top + TOUCHING * abs(top)]
+        height = top - max(below, default=top)
+        if TOUCHING * abs(top) < height < math.inf:
             source = "the fall of {height} from where spheres are made"
             source += " with the velocity that is set" * bool(start)
             yield Speed(math.sqrt(start**2 + 2.0 * (1.0 - damped) * stage.gravity * height), source, height)

@@ -9,7 +9,7 @@ from .description import Note, Stage
 from .python import Evaluator, Instance
 from .reader import names
 from .yade_callbacks import commands_of, parts_of, touches, uncalled
-from .yade_contacts import PHYSICS, UNDAMPED_LAWS
+from .yade_contacts import LUBRICATED, PHYSICS, UNDAMPED_LAWS
 from .yade_scene import MATERIALS, Scene, is_active
 
 #: Attributes of each of these and of the integrator in YADE 2023.02a; others are misspelt, or of another version.
@@ -35,7 +35,13 @@ LAWS: Final = (
     "Law2_ScGeom_ViscElPhys_Basic",
     "Law2_ScGeom6D_CohFrictPhys_CohesionMoment",
 )
-STICKY: Final = names("Coh JCFpm Cpm Wire Cap Luding Mortar Bubble Lubrication CDM Bshd")
+STICKY: Final = names("Coh JCFpm Cpm Wire Cap Luding Mortar")
+#: Those of other forces than a spring and a dashpot.
+OTHER_FORCES: Final = {
+    "Lubrication": LUBRICATED,
+    "Bubble": "contacts of bubbles",
+    "CDM": "contacts that yield",
+}
 #: What adds forces beside contacts.
 FORCES: Final = {
     "Drag": "drag",
@@ -111,10 +117,13 @@ def contact_note(scene: Scene, instance: Instance) -> None:
     law, force = name.startswith("Law2_"), ""
     if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
         force = f"adhesion or bonds ({name})"
+    elif others := [words for sign, words in OTHER_FORCES.items() if sign in name]:
+        force = f"{others[0]} ({name})" if "(" not in others[0] else others[0]
     elif name in (*LAWS, *UNDAMPED_LAWS) and attributes.get("includeAdhesion") not in (None, False, 0):
         force = "adhesion (includeAdhesion)"
     elif name == "ViscElMat" and attributes.get("lubrication", False):
-        force = "a fluid (lubrication)"
+        force = LUBRICATED
+        scene.unknown[quote] = None
     if force:
         scene.invalidate(force, quote)
         scene.refuse(quote, f"be without {force}")

@@ -55,6 +55,19 @@ class Push(NamedTuple):
     velocity: Direction | None
     place: Ends | None
     quote: Quote
+    is_wall: bool  #: whether it is known to be no sphere
+
+
+class Saved(NamedTuple):
+    """What ``O.save`` keeps of a scene."""
+
+    materials: list[Instance]
+    bodies: list[Body]
+    engines: list[Any]
+    elsewhere: bool
+    time_step: float | None
+    time_step_given: bool
+    filling: YadeFilling
 
 
 @dataclass
@@ -87,8 +100,7 @@ class Scene(Reader):
     growing: bool = False  #: whether a controller has made the spheres larger
     system: int = 0  #: number of the scene
     changed: bool = True  #: whether anything may have changed since the last run
-    saved: tuple[list[Instance], list[Body], list[Any], bool] | None = None
-    saved_filling: YadeFilling = field(default_factory=YadeFilling)
+    saved: Saved | None = None
 
     def __post_init__(self) -> None:
         self.begin()
@@ -127,17 +139,18 @@ class Scene(Reader):
         self.pushed, self.some_fixed = None, False
 
     def save(self) -> None:
-        self.saved = (list(self.materials), list(self.bodies), self.engines, self.elsewhere)
-        self.saved_filling = copy.deepcopy(self.filling)
+        parts = list(self.materials), list(self.bodies), self.engines, self.elsewhere
+        self.saved = Saved(*parts, self.time_step, self.time_step_given, copy.deepcopy(self.filling))
 
     def load(self) -> bool:
         """The scene that was saved last; False if there is none."""
         if self.saved is None:
             return False
-        self.materials[:], self.bodies[:], self.engines, self.elsewhere = self.saved
-        self.numbered, saved = 0, copy.deepcopy(self.saved_filling)
-        self.filling.container = saved.container
-        self.filling.clumped = saved.clumped
+        saved = self.saved
+        self.materials[:], self.bodies[:], self.engines = saved.materials, saved.bodies, saved.engines
+        self.elsewhere, self.numbered = saved.elsewhere, 0
+        self.time_step, self.time_step_given = saved.time_step, saved.time_step_given
+        self.filling = copy.deepcopy(saved.filling)
         return True
 
     def remove_bodies(self) -> None:

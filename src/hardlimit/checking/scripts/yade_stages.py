@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import replace
-from itertools import combinations
+from itertools import chain, combinations
 from typing import Any, Final, TypeGuard
 
 from .description import (
@@ -19,6 +20,7 @@ from .description import (
     Motion,
     Note,
     Quote,
+    Speed,
     Stage,
 )
 from .motion import STEADY, UNKNOWN, strongest
@@ -57,7 +59,7 @@ BY_AXIS: Final = ("PeriTriaxController", "Peri3dController", "TriaxialStressCont
 #: The axis that is left out where two axes have their bits.
 BUT_ONE: Final = {6: 0, 5: 1, 3: 2}
 #: Those that make spheres larger unless ``internalCompaction`` is off.
-GROWING: Final = ("TriaxialStressController", "TriaxialCompressionEngine")
+GROWING: Final = ("TriaxialStressController", "TriaxialCompressionEngine", "ThreeDTriaxialEngine")
 #: The stress that a controller measures.
 MEASURED: Final = re.compile(r"\.stress\(|\.meanStress\b")
 #: Those that know gravity.
@@ -167,6 +169,7 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     moving = scene.filling.moving
     if contents.count is not None and moving is not None and 0 < moving <= FEW < contents.count:
         contents = replace(contents, count=moving)
+    contents = replace(contents, speeds=(*contents.speeds, *launches(factories)))
     if scene.elsewhere or factories or any(map(appends, called_back(scene, script) or ())):
         contents = replace(contents, count=None, filled=None)
     if scene.elsewhere or stage.down is None or not has_own_weight(scene, script, stage.down):
@@ -174,9 +177,12 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     if not factories and fall_apart(scene, stage.down):
         return replace(contents, never_meet=True)
     sources = [ends_of_factory(factory) for factory in factories]
+    container = scene.filling.container
     for engine in scene.used("ResetRandomPosition"):  # to one of these facets
-        walls = scene.filling.container.ends if engine.attributes.get("factoryFacets") else []
-        sources.append(union(walls) if walls else None)
+        facets = engine.attributes.get("factoryFacets")
+        appended = container.appended.get(facets.text) if isinstance(facets, Unknown) else None
+        walls = [*(appended or container.ends)] if facets else []
+        sources.append(union([*filter(None, walls)]) if walls and None not in walls else None)
     turning = [
         vector(engine.attributes.get("rotationAxis", X_AXIS)) for engine in scene.used("RotationEngine")
     ]
@@ -188,11 +194,19 @@ def contents(scene: Scene, script: Evaluator, stage: Stage) -> Contents:
     return scene.filling.bed(contents, stage.down, sources, next(iter(across), None), moving)
 
 
+def launches(factories: list[Instance]) -> Iterator[Speed]:
+    """The largest velocity with which factories make spheres."""
+    for factory in factories:
+        speed = factory.attributes.get("vMax")
+        if speed is not None and is_number(speed) and speed > 0.0:
+            yield Speed(float(speed), "the velocity with which a factory makes spheres")
+
+
 def fall_apart(scene: Scene, down: Direction) -> bool:
-    """Whether all bodies are spheres that move beside each other and fixed ones along gravity, and no wall is there."""
-    filling, bodies = scene.filling, scene.bodies
-    along = axis_of(down)
-    single = all(body.kind == "sphere" and not body.several for body in bodies)
+    """Whether spheres move beside each other and fixed ones along gravity, and beside or below all walls."""
+    filling, along = scene.filling, axis_of(down)
+    bodies = [body for body in scene.bodies if body.kind == "sphere"]
+    single = not any(body.several for body in bodies)
     moved = any(body.frozen for body in bodies) and any(scene.used(name) for name in MOTION)
     if (
         along is None
@@ -201,6 +215,7 @@ def fall_apart(scene: Scene, down: Direction) -> bool:
         or not filling.known
         or filling.periodic
         or not filling.container.known
+        or not filling.container.everywhere
     ):
         return False
     across = [k for k in range(3) if k != along[0]]
@@ -208,9 +223,20 @@ def fall_apart(scene: Scene, down: Direction) -> bool:
     places = [body.ends for body in bodies if body.ends is not None]
     if velocities or not bodies or len(places) < len(bodies) or len(bodies) > MOST_FALLING:
         return False
+    k, sign = along
+    walls = [(ends, min(sign * end[k] for end in ends)) for ends in filling.container.walls]
+    moving = [body.ends for body in bodies if body.ends is not None and not body.frozen]
     return not any(
         all(first[0][k] < second[1][k] and second[0][k] < first[1][k] for k in across)
-        for first, second in combinations(places, 2)
+        for first, second in chain(
+            combinations(places, 2),
+            (
+                (ends, wall)
+                for ends in moving
+                for wall, low in walls
+                if low < 0.5 * sign * (ends[0][k] + ends[1][k])
+            ),
+        )
     )
 
 
@@ -399,7 +425,7 @@ def goals_of(engine: Instance) -> tuple[list[Any], int | None]:
     if engine.name == "ThreeDTriaxialEngine":
         controlled = [engine.attributes.get(f"stressControl_{k}", True) for k in (1, 2, 3)]
         mask = sum(1 << k for k, value in enumerate(controlled) if value in (True, 1))
-        if engine.attributes.get("internalCompaction") in (True, 1):
+        if enlarges(engine):
             mask = 7  # grains grow until the mean stress is that of all three
     if engine.name == "PeriIsoCompressor":
         values, mask = values[-1:], 1
@@ -458,7 +484,19 @@ def motion(scene: Scene, down: Direction | None) -> Motion | None:
             motions.append(steady)
         elif engine.name in MOTION - PRESSING:
             motions.append(UNKNOWN)
+    if down is not None:
+        motions += belt(scene, down)
     return strongest(motions, down)
+
+
+def belt(scene: Scene, down: Direction) -> list[Motion]:
+    """A wall to which the script gives a velocity across gravity, as to a belt; none if it is at rest, or a piston."""
+    push = scene.pushed
+    if push is None or push.velocity is None or not push.is_wall or not any(push.velocity):
+        return []
+    if is_along(push.velocity, down):
+        return []
+    return [replace(STEADY, velocity=math.hypot(*push.velocity), course=push.velocity)]
 
 
 def shaking(engine: Instance) -> list[Motion]:
