@@ -142,6 +142,12 @@ def test_factories():
     assert read(script(bodies="", rest=lines.replace("materialId=0", "materialId=kind()"))).unknown
 
 
+@pytest.mark.parametrize("wrong", ["sizes = [1]\nsizes += 2\n", "sizes = 1\nsizes -= None\n", "sizes /= 0\n"])
+def test_errors_of_python_leave_a_value_unknown(wrong):
+    wrong, right = (read(script(rest=lines + "O.run(1)\n")).stages[0] for lines in (wrong, ""))
+    assert wrong.grains == right.grains and wrong.steps == right.steps == 1
+
+
 CLOUD = "sp = pack.SpherePack()\nsp.makeCloud((0, 0, 0), (1, 1, 1), {})\nsp.toSimulation(material='glass')\n"
 PACK = CLOUD.format("rMean=0.05, rRelFuzz=0.2").rpartition("sp.toSimulation")[0]
 FUNCTION = """

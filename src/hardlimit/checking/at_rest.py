@@ -746,9 +746,7 @@ class GrainState:
     froude_number: float | None = None  #: Fr = ω²R/g of a drum
     rolling_radius: float | None = None  #: 0.01 g/ω² [m], with Fr = 0.01, if such a drum holds grains
     centrifuging_radius: float | None = None  #: g/ω² [m], with Fr = 1, of a drum of unknown radius
-    mixer_froude_number: float | None = (
-        None  #: ω²R/g of blades that turn about gravity, at the side of the box
-    )
+    mixer_froude_number: float | None = None  #: ω²R/g of blades that turn about gravity, at the box's side
 
     @property
     def may_separate(self) -> bool:

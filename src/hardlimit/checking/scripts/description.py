@@ -116,9 +116,7 @@ class Contents:
     height_from: str = ""  #: where this comes from, in words
     packed: float = 0.0  #: packing fraction of the grains when they are made, if it may exceed that of a bed
     without: str = ""  #: what else may press them, in words
-    layer: float | None = (
-        None  #: thickness of the one vertical layer in which they are made; None if they are not
-    )
+    layer: float | None = None  #: thickness of the vertical layer in which they are made; None without one
     lots: tuple[Lot, ...] = ()  #: the grains of each command; empty if not all are known
     stream: float | None = None  #: largest packing fraction of a stream into open space
     never_meet: bool = False  #: whether no grain meets another or a wall

@@ -263,7 +263,8 @@ class Evaluator:
             case ast.AugAssign(target, sign, value):
                 load = ast.parse(self.source(target), mode="eval").body
                 ast.copy_location(load, target)
-                self.assign(target, self.binary(self.value(load), sign, self.value(value), node), node)
+                whole = ast.copy_location(ast.BinOp(load, sign, value), node)
+                self.assign(target, self.value(whole), node)
             case ast.For(target, iterable, body, other):
                 self.loop(target, iterable, body)
                 self.block(other)

@@ -63,10 +63,10 @@ class YadeFilling:
         volume = math.prod(self.cell) if self.periodic and self.cell else None
         speeds = [*falls(self, stage, damped), *(relative(self) if self.known else ())]
         return Contents(
-            self.census.count,
-            self.census.filled(3),
-            volume,
-            tuple(speeds),
+            count=self.census.count,
+            filled=self.census.filled(3),
+            volume=volume,
+            speeds=tuple(speeds),
             lots=() if self.clumped else self.census.known,
             concentration=self.clumped.concentration if self.clumped else 1.0,
             other_clumps=self.clumped is not None and self.clumped.unknown,
