@@ -715,8 +715,7 @@ class GrainState:
     stiffness_unit: str | None = None  #: this unit; empty in lj units
     pressure_for_rigid: float | None = None  #: [Pa] up to which κ_p is at least 10⁴, if p is not known
     height_for_rigid: float | None = None  #: [m] of a bed with this pressure at its bottom
-    #: If p is not known: 100, or fewer of few grains, as in a slender column, or in a lower box.
-    layers: int | None = None
+    layers: int | None = None  #: if p is not known: 100, or fewer of few grains or in a low box
     layers_height: float | None = None  #: [m] of these layers
     layers_fill: bool = False  #: whether they are fewer because they fill the box
     layers_stiffness_number: float | None = None  #: κ_p below them
