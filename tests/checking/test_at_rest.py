@@ -382,6 +382,42 @@ def test_a_bed_under_gravity_is_settled_whatever_gives_its_pressure():
     assert state(text, speed=0.1).overlap_range is not None
 
 
+HOOKE = "hooke 2e4 0.5 damping coeff_restitution tangential linear_history 5714 1.0 0.5"
+BETWEEN_WALLS = """
+atom_style sphere
+boundary f f f
+region box block 0 {width} 0 {width} 0 {height} units box
+create_box 1 box
+create_atoms 1 random {grains} 11 box overlap 0.0098 maxtry 5000
+set type 1 diameter 0.01 density 2500
+pair_style granular
+pair_coeff 1 1 {model}
+fix floor all wall/gran granular {model} zplane 0 NULL
+fix sides all wall/gran granular {model} xplane 0 {width}
+fix others all wall/gran granular {model} yplane 0 {width}
+fix down all gravity 9.81 vector 0 0 -1
+fix move all nve/sphere
+timestep 1e-5
+run 150000
+"""
+
+
+@pytest.mark.parametrize(("width", "grains", "measured"), [
+    (4, 104, [0.0977, 0.1173, 0.0653, 0.1132, 0.0596]),
+    (4, 55, [0.0419]),
+    (6, 352, [0.1507, 0.1125, 0.1436, 0.1152, 0.1394]),
+    (6, 188, [0.0737]),
+    (9, 1190, [0.1856, 0.1754, 0.1882, 0.1788]),
+    (9, 634, [0.0817]),
+    (14, 4480, [0.2168]),
+])  # fmt: skip
+def test_between_side_walls_the_overlap_is_a_bound(width, grains, measured):
+    """Mean overlap over R [%] of contacts within two diameters of the floor, by seed; LAMMPS of 22 July 2025."""
+    text = BETWEEN_WALLS.format(model=HOOKE, width=0.01 * width, height=0.05 * width, grains=grains)
+    said = 100.0 * state(text, speed=0.1).overlap
+    assert max(measured) <= said <= 1.6 * np.mean(measured)
+
+
 def test_poured_grains_are_denser_than_those_inserted_at_once():
     """Of equal grains, in a script with and without its dump; with little friction not beyond smooth ones."""
     poured, once = at_rest.settled(0.5, poured=True), at_rest.settled(0.5)

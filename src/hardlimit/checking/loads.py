@@ -141,6 +141,7 @@ def load_of(
         kinds=kinds,
         shear_rate=rate,
         gravity=stage.gravity,
+        walled_floor=stage.contents.floor if stage.contents.walled else None,
         density=_density(around, kinds, stage.contents.lots),
         shaking=support.shaking,
         layers=most_layers(stage.contents.count, around.dimension),
