@@ -392,11 +392,10 @@ def title(verdict: Verdict) -> str:
         and row.types[1] != "wall"
         and verdict.has_plain(row) == (verdict.units == "lj")
     ]
-    ends = "–".join(dict.fromkeys(digits(v, 3) for v in (min(speeds, default=0.0), max(speeds, default=0.0))))
-    if "–" in ends:
-        parts.append(
-            f"{'speeds ' if verdict.units == 'lj' else ''}{ends}{'' if verdict.units == 'lj' else ' m/s'}"
-        )
+    ends = [digits(end, 3) for end in (min(speeds), max(speeds))] if speeds else []
+    if len(set(ends)) > 1:
+        shown = "–".join(ends)
+        parts.append(f"speeds {shown}" if verdict.units == "lj" else f"{shown} m/s")
     if verdict.time_step is not None:
         parts.append(f"time step {time(verdict.time_step, verdict.units == 'lj', 4)}")
     return " · ".join(filter(None, parts))

@@ -17,10 +17,8 @@ LARGEST: Final = 2_000_000
 
 def centres(instance: Instance) -> np.ndarray | None:
     """The centres of the spheres of a lattice in rows; None if they are not known."""
-    space, radius, gap = (
-        instance.argument(k, name, default)
-        for k, (name, default) in enumerate((("predicate", None), ("radius", None), ("gap", None)))
-    )
+    names = ("predicate", "radius", "gap")
+    space, radius, gap = (instance.argument(k, name) for k, name in enumerate(names))
     ends = ends_of_space(space)
     if ends is None or not (is_number(radius) and is_number(gap)) or not 0.0 < radius <= radius + gap:
         return None

@@ -39,8 +39,8 @@ STICKY: Final = names("Coh JCFpm Cpm Wire Cap Luding Mortar")
 #: Those of other forces than a spring and a dashpot.
 OTHER_FORCES: Final = {
     "Lubrication": LUBRICATED,
-    "Bubble": "contacts of bubbles",
-    "CDM": "contacts that yield",
+    "Bubble": "contacts of bubbles (Bubble)",
+    "CDM": "contacts that yield (CDM)",
 }
 #: What adds forces beside contacts.
 FORCES: Final = {
@@ -118,7 +118,7 @@ def contact_note(scene: Scene, instance: Instance) -> None:
     if any(sign in name for sign in STICKY) and name not in (*MATERIALS, *PHYSICS, *LAWS):
         force = f"adhesion or bonds ({name})"
     elif others := [words for sign, words in OTHER_FORCES.items() if sign in name]:
-        force = f"{others[0]} ({name})" if "(" not in others[0] else others[0]
+        force = others[0]
     elif name in (*LAWS, *UNDAMPED_LAWS) and attributes.get("includeAdhesion") not in (None, False, 0):
         force = "adhesion (includeAdhesion)"
     elif name == "ViscElMat" and attributes.get("lubrication", False):
