@@ -366,6 +366,8 @@ SLOPE = "[(-1, -1, {0}), (1, -1, {0}), (0, 1, {1})]"
     (f"O.bodies.append(facet({SLOPE.format(0, 0)}))\n", "rest"),
     ("O.bodies.append([facet([(-1, 0, 0), (1, 0, 0), (0, s, 0.6)]) for s in (-1, 1)])\n", "rest"),  # a valley
     (RINGS.format(0.2, False), "flow"),
+    (RINGS.format(0.006, False), "flow"),
+    (RINGS.format(0.004, False), "rest"),  # four diameters wide
     (RINGS.format(0.2, True), "rest"),
     (RINGS.format(0, False), "rest"),
     (RINGS.format(0.2, False) + FLOOR.replace("0", "-1", 1), "rest"),

@@ -55,10 +55,13 @@ def plane(corners: Triangles) -> tuple[tuple[float, ...], float] | None:
     return (tuple(map(float, normals[0])), float(areas.sum())) if flat else None
 
 
-def sheds(corners: Triangles, down: Sequence[float], slope: float, top: float = math.inf) -> bool:
+def sheds(
+    corners: Triangles, down: Sequence[float], slope: float, top: float = math.inf, opening: float = 0.0
+) -> bool:
     """Whether what slides down all slopes above this angle [°] leaves a mesh: no face, valley or hollow holds it.
 
-    ``top``: the height of the highest grains, against ``down``, above which a mesh holds none.
+    ``top``: the height of the highest grains, against ``down``, above which a mesh holds none. ``opening``: the least
+    width of one through which they leave.
     """
     points = corners.reshape(-1, 3)
     size, least = float(np.ptp(points, axis=0).max()) or 1.0, math.sin(math.radians(slope))
@@ -82,9 +85,26 @@ def sheds(corners: Triangles, down: Sequence[float], slope: float, top: float = 
     valley = ~steep & (count > 1) & (opposite >= heights[edges].max(axis=1) - MERGED * size)
     leaves = heights >= top  # a corner: too high, down a steep edge, or over the border of the mesh
     leaves[np.where(rise > 0.0, edges[:, 1], edges[:, 0])[steep]] = True
-    leaves[edges[count == 1]] = True
+    leaves[wide(places, edges[count == 1], opening)] = True
     holds = [flat & (heights[ends].min(axis=1) < top), valley & (heights[edges].min(axis=1) < top), ~leaves]
     return not any(map(np.any, holds))
+
+
+def wide(places: NDArray[np.float64], border: NDArray[np.int64], least: float) -> NDArray[np.int64]:
+    """The corners on the rims of a mesh, which these edges form, of at least this width."""
+    from scipy.sparse import coo_array  # which other uses must not wait for
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_array((np.ones(len(border)), border.T), shape=(len(places),) * 2)
+    rims, corners = connected_components(links, directed=False)[1], np.unique(border)
+    chosen = [np.empty(0, np.int64)]
+    for rim in np.unique(rims[corners]):
+        members = corners[rims[corners] == rim]
+        around = places[members] - places[members].mean(axis=0)
+        extents = np.ptp(around @ np.linalg.svd(around, full_matrices=False)[2].T, axis=0)
+        if np.sort(extents)[-2] >= least:
+            chosen.append(members)
+    return np.concatenate(chosen)
 
 
 def rotated(corners: Triangles, axis: Sequence[float], degrees: float) -> Triangles:

@@ -22,6 +22,9 @@ ALONG: Final = 1.0 - 1e-6
 TILTED: Final = math.sqrt(0.5)
 #: Angle [°] of a slope up to which a bed may stay on it: in YADE 2023.02a heaps stay on 6 to 22° and creep at 31°.
 STAYS: Final = 30.0
+#: Width over the diameter of grains of an opening that they do not block for long: Zuriguel et al., Phys. Rev. E 71,
+#: 051303 (2005).
+ARCH: Final = 4.94
 #: Largest number whose third power is finite.
 LARGEST: Final = 1e100
 #: Rounding error of positions over the largest of them.
@@ -206,8 +209,8 @@ class Container:
         inside = bottom <= lowest + ROUNDING * abs(height)
         return height + self.farther - bottom if inside and math.isfinite(height) else None
 
-    def pours(self, down: Direction) -> bool:
-        """Whether nothing below the spheres catches them: all that reaches there is open at its lower end."""
+    def pours(self, down: Direction, diameter: float) -> bool:
+        """Whether nothing below spheres of this diameter catches them: all that reaches there is open below."""
         space, along = self.around, axis_of(down)
         if space is None or along is None or not self.everywhere or self.unsure:
             return False
@@ -224,7 +227,7 @@ class Container:
         if any(k != 2 or self.masks[ends] & LOWER[sign] for ends in rounded):
             return False
         top = max(sign * end[k] for end in space)
-        return not facets or sheds(np.concatenate(facets), down, STAYS, top)
+        return not facets or sheds(np.concatenate(facets), down, STAYS, top, ARCH * diameter)
 
     def turned(self, axis: Direction) -> float | None:
         """The diameter of the circle around the axis in which all walls and spheres turn: no bed in them is higher."""
