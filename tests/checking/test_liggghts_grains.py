@@ -642,12 +642,14 @@ def test_meshes_that_hold_nothing(seed):
     axis, angle = random.normal(size=3) * (1, 1, 0), random.uniform(-80.0, 80.0)
     tilt = Rotation.from_rotvec(math.radians(angle) * axis / np.linalg.norm(axis))
     around, down = Rotation.from_euler("z", random.uniform(0, 360), degrees=True), (0.0, 0.0, -1.0)
+    scale = 10.0 ** random.uniform(-150.0, 150.0)
 
     def sheds(faces, rotation):
-        return meshes.sheds(turned_box(faces, rotation), down, 15.0)
+        return meshes.sheds(scale * turned_box(faces, rotation), down, 15.0)
 
     assert sheds([(2, 0)], tilt) is (abs(angle) >= 15.0)
     assert sheds(SIDES, around) and not sheds([*SIDES, (2, 0)], around)
+    assert not meshes.sheds(turned_box(SIDES, around), down, 15.0, opening=1.5)  # than a square of 1 has
     # Two faces that meet below in an edge at this angle.
     for slope in (0.0, 10.0, 20.0, 40.0):
         gutter = (

@@ -63,11 +63,10 @@ def sheds(
     ``top``: the height of the highest grains, against ``down``, above which a mesh holds none. ``opening``: the least
     width of one through which they leave.
     """
-    points = corners.reshape(-1, 3)
-    size, least = float(np.ptp(points, axis=0).max()) or 1.0, math.sin(math.radians(slope))
-    _, first, ends = np.unique(
-        np.round(points / (MERGED * size)), axis=0, return_index=True, return_inverse=True
-    )
+    size = float(np.ptp(corners.reshape(-1, 3), axis=0).max()) or 1.0
+    points, top, opening = corners.reshape(-1, 3) / size, top / size, opening / size
+    least = math.sin(math.radians(slope))
+    _, first, ends = np.unique(np.round(points / MERGED), axis=0, return_index=True, return_inverse=True)
     ends = ends.reshape(-1, 3)
     ends = ends[(ends != np.roll(ends, 1, axis=1)).all(axis=1)]  # without triangles of no area
     ends = ends[np.unique(np.sort(ends, axis=1), axis=0, return_index=True)[1]]  # each once
@@ -82,7 +81,7 @@ def sheds(
     np.minimum.at(opposite, of_edge.reshape(-1), heights[ends[:, [2, 0, 1]]].reshape(-1))
     rise = heights[edges[:, 1]] - heights[edges[:, 0]]
     steep = np.abs(rise) >= least * np.linalg.norm(places[edges[:, 1]] - places[edges[:, 0]], axis=1)
-    valley = ~steep & (count > 1) & (opposite >= heights[edges].max(axis=1) - MERGED * size)
+    valley = ~steep & (count > 1) & (opposite >= heights[edges].max(axis=1) - MERGED)
     leaves = heights >= top  # a corner: too high, down a steep edge, or over the border of the mesh
     leaves[np.where(rise > 0.0, edges[:, 1], edges[:, 0])[steep]] = True
     leaves[wide(places, edges[count == 1], opening)] = True
