@@ -111,6 +111,7 @@ def _contact_of_few(grains: GrainState, final: System, around: loads.Around) -> 
             state = replace(
                 grains,
                 impact_speed=state.impact_speed,
+                speed_is_chosen=state.speed_is_chosen,
                 largest_stable_step=state.largest_stable_step,
                 step_share=state.step_share,
             )
