@@ -654,6 +654,28 @@ def test_sheared_gases_of_any_restitution_and_friction_have_a_state(phi: float) 
             assert state.temperature_ratio == pytest.approx(mu, rel=2.0)
 
 
+@draws(40, few=2)
+@given(
+    exponent=st.floats(-60.0, -5.0),
+    e=st.floats(0.5, 0.999),
+    mu=st.sampled_from([0.0, 0.1, 0.5]),
+    beta0=st.floats(-0.9, 1.0),
+)
+def test_the_temperature_of_thin_sheared_gases_goes_as_the_density_to_the_power_minus_two(
+    exponent: float, e: float, mu: float, beta0: float
+) -> None:
+    thin, limit = (
+        theory.Gas(1, 0.5, 1.0, math.pi / 6.0 / phi, 3).rotating(e, mu, beta0).sheared_state(1.0)
+        for phi in (10.0**exponent, 3e-5)
+    )
+    ratio = (10.0**exponent / 3e-5) ** 2
+    assert thin.temperature * ratio == pytest.approx(limit.temperature, rel=1e-3)
+    assert thin.pressure_tensor[0, 1] * ratio * (3e-5 / 10.0**exponent) == pytest.approx(
+        limit.pressure_tensor[0, 1], rel=1e-3
+    )
+    assert thin.temperature_ratio == pytest.approx(limit.temperature_ratio, rel=1e-3, nan_ok=True)
+
+
 def test_a_sheared_gas_balances_work_and_loss_whatever_its_scale() -> None:
     rubbing = theory.Gas(7, 2.0, 3.0, 1e3, 3).rotating(0.8, 0.4, 0.3)
     state, unit = rubbing.sheared_state(5.0), theory.Gas(1, 0.5, 1.0, 1e3 / 7.0 / 64.0, 3)

@@ -210,14 +210,16 @@ class Drive:
         return self.temperature(gas, restitution) / state.temperature - 1.0
 
     def _smooth_stress(self, gas: Gas, restitution: float, rubbing: RotatingGas) -> float | None:
-        """The shear stress without friction over that with it, less 1; None if smooth grains have no steady state."""
+        """The shear stress without friction over that with it, less 1; None if one has no steady state."""
         assert self.shear_rate is not None
         if not LEAST_IN_SHEAR <= restitution <= 1.0 - ELASTIC:
             return None
-        of_both = (
-            grains.sheared_state(self.shear_rate) for grains in (gas.rotating(restitution, 0.0, 0.0), rubbing)
-        )
-        smooth, rough = (-float(state.pressure_tensor[0, 1]) for state in of_both)
+        both = (gas.rotating(restitution, 0.0, 0.0), rubbing)
+        try:
+            states = [grains.sheared_state(self.shear_rate) for grains in both]
+        except ValueError:  # nothing is dissipated
+            return None
+        smooth, rough = (-float(state.pressure_tensor[0, 1]) for state in states)
         return smooth / rough - 1.0
 
     def gas(self, case: Case, dimension: int, packing_fraction: float | None) -> Gas | None:
