@@ -12,8 +12,8 @@ turns about gravity throws grains from Fr = 1 on: blades in a run of LAMMPS at 1
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, Final
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -120,27 +120,33 @@ def way_of(froude: float) -> str:
 
 def turning(stage: Stage) -> tuple[float, float | None] | None:
     """ω² of a drum that turns across gravity, and its radius if it is known; None without one."""
-    for contact in stage.contacts:
-        motion = contact.motion
-        if contact.types[1] != WALL or motion is None or motion.turning is None or stage.down is None:
-            continue
-        rate = math.hypot(*motion.turning)
-        along = sum(a * b for a, b in zip(motion.turning, stage.down, strict=False))
-        if rate > 0.0 and abs(along) < 1e-6 * rate:
-            return rate**2, motion.radius
-    return None
+    drums = (wall for wall in _turning_walls(stage) if wall.along < 1e-6)
+    return next(((drum.square, drum.radius) for drum in drums), None)
 
 
 def stirring(stage: Stage) -> float | None:
     """ω²R/g of what turns about gravity, such as blades, at the side of the box; None without it, or of a cylinder."""
     down = stage.down or ()
     across = [edge for edge, part in zip(stage.edges, down, strict=False) if edge and abs(part) < 0.5]
+    upright = [wall for wall in _turning_walls(stage) if wall.radius is None and wall.along > 1.0 - 1e-6]
+    if not (upright and across and stage.gravity):
+        return None
+    return upright[0].square * 0.5 * max(across) / stage.gravity
+
+
+class _Turning(NamedTuple):
+    square: float  #: ω²
+    radius: float | None  #: None if it is not known
+    along: float  #: cosine between the axis and gravity, without its sign
+
+
+def _turning_walls(stage: Stage) -> Iterator[_Turning]:
+    """The walls that turn, where the direction of gravity is known."""
     for contact in stage.contacts:
         motion = contact.motion
-        if contact.types[1] != WALL or motion is None or motion.turning is None:
+        if contact.types[1] != WALL or motion is None or motion.turning is None or stage.down is None:
             continue
         rate = math.hypot(*motion.turning)
-        along = sum(a * b for a, b in zip(motion.turning, down, strict=False))
-        if motion.radius is None and across and stage.gravity and abs(along) > (1.0 - 1e-6) * rate > 0.0:
-            return rate**2 * 0.5 * max(across) / stage.gravity
-    return None
+        if rate > 0.0:
+            along = sum(a * b for a, b in zip(motion.turning, stage.down, strict=False))
+            yield _Turning(rate**2, motion.radius, abs(along) / rate)

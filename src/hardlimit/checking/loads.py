@@ -218,10 +218,8 @@ def _pressure(stage: Stage, options: LoadOptions, around: Around, pressed: bool)
         volume, thick = contents.filled / phi, contents.layer
         deep = heap(volume, around.dimension) if thick is None else heap(volume / thick, 2)
         pressure = weight(deep, phi * density, gravity)
-        origin = (
-            f"below a heap of {contents.count:.0f} grains at 45°{'' if thick is None else ' in one plane'}"
-        )
-        origin += ", as they do not cover the floor"
+        plane = "" if thick is None else " in one plane"
+        origin = f"below a heap of {contents.count:.0f} grains at 45°{plane}, as they do not cover the floor"
         return {"pressure": pressure, "origin": origin, "weight": True, "bound": True, "sparse": True}
     if options.height is None and density is not None and contents.filled and contents.floor:
         count = "the grains" if contents.count is None else f"{contents.count:.0f} grains"
@@ -266,10 +264,10 @@ def _prescribed(stage: Stage, pressure: float, around: Around) -> dict[str, Any]
 def less_than_a_layer(contents: Contents, dimension: int) -> bool:
     """Whether grains are too few to cover the floor."""
     contents = contents.at_most
-    if not (contents.count and contents.filled and contents.floor):
+    diameter = contents.diameter(dimension)
+    if not (diameter and contents.filled and contents.floor):
         return False
-    radius: float = (contents.filled / contents.count / UNIT_BALL[dimension]) ** (1.0 / dimension)
-    return contents.filled < LAYER * 2.0 * radius * contents.floor
+    return contents.filled < LAYER * diameter * contents.floor
 
 
 def heap(volume: float, dimension: int) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import NamedTuple
 
+from ...boxes.box import UNIT_BALL
 from ...convert.tangential import Tangential
 
 #: Most grains that are judged as single contacts; more of them make a bed.
@@ -126,6 +127,13 @@ class Contents:
     poured: bool = False  #: whether all grains fall from where they are inserted, few at a time
     most: float | None = None  #: number of grains at most, if they are inserted again and again ...
     most_filled: float | None = None  #: ... and their volume, in two dimensions their area
+
+    def diameter(self, dimension: int = 3) -> float | None:
+        """Of a grain of the mean size; None if it is not known."""
+        if not (self.count and self.filled):
+            return None
+        diameter: float = 2.0 * (self.filled / self.count / UNIT_BALL[dimension]) ** (1.0 / dimension)
+        return diameter
 
     @property
     def at_most(self) -> Contents:

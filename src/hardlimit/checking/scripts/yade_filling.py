@@ -111,10 +111,9 @@ class YadeFilling:
         if self.periodic and (cell is None or len(cell) != 3):
             return contents
         container = replace(self.container, spheres=[*self.container.spheres, *sources])
-        diameter = 0.0
-        if contents.count and contents.filled:
-            diameter = 2.0 * (0.75 / math.pi * contents.filled / contents.count) ** (1.0 / 3.0)
-        contents = replace(contents, pours=not self.periodic and container.pours(down, diameter))
+        contents = replace(
+            contents, pours=not self.periodic and container.pours(down, contents.diameter() or 0.0)
+        )
         floor = None if moving else container.floor(down, cell)
         height = container.height(down, cell) if turning is None else container.turned(turning)
         if height is None or (cell is not None and floor is None and not container.based(down, cell)):
@@ -123,7 +122,7 @@ class YadeFilling:
         source = "from the floor to where spheres are made"
         if turning is not None:
             source = "across the circle in which walls turn"
-        if contents.count and contents.filled:
+        if contents.count and (diameter := contents.diameter()):
             stack, few = contents.count * diameter, contents.count <= FEW
             one_layer = container.thickness(down) < IN_LAYER * diameter
             contents = replace(contents, layer=diameter if one_layer else None)
