@@ -1,5 +1,6 @@
 """Grains at rest, pressed, flowing and shaken: the number of each state."""
 
+import gzip
 import itertools
 import json
 import math
@@ -416,6 +417,26 @@ def test_between_side_walls_the_overlap_is_a_bound(width, grains, measured):
     text = BETWEEN_WALLS.format(model=HOOKE, width=0.01 * width, height=0.05 * width, grains=grains)
     said = 100.0 * state(text, speed=0.1).overlap
     assert max(measured) <= said <= 1.6 * np.mean(measured)
+
+
+@pytest.mark.parametrize("typed", [True, False])
+def test_between_side_walls_a_dump_has_a_bound_as_well(tmp_path, typed):
+    """The box of seed 12, four diameters wide. Without types the contacts are those of all grains."""
+    dump = STATES / "narrow_box.dump.gz"
+    lines = gzip.decompress(dump.read_bytes()).decode().splitlines()
+    plain = tmp_path / "plain.dump"
+    start = lines.index("ITEM: ATOMS id type x y z radius vx vy vz")
+    rows = [row.replace(" 1 ", " ", 1) for row in lines[start + 1 :]]
+    plain.write_text(
+        "\n".join([*lines[:start], "ITEM: ATOMS id x y z radius vx vy vz", *rows, ""]), encoding="utf-8"
+    )
+    text = BETWEEN_WALLS.format(model=HOOKE, width=0.04, height=0.2, grains=104)
+    places = hl.ParticleSystem.read(dump, density=2500.0, allowed_overlap=0.01).positions
+    pairs = cKDTree(places).query_pairs(0.01, output_type="ndarray")
+    overlaps = 0.01 - np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
+    lowest = places[pairs].mean(axis=1)[:, 2] < 0.02
+    said = 0.005 * state(text, dump=dump if typed else plain).overlap
+    assert 1.0 <= said / overlaps[lowest].mean() < 1.2
 
 
 def test_poured_grains_are_denser_than_those_inserted_at_once():

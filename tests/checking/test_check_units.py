@@ -245,7 +245,9 @@ def differences(first, second, dimension, scales=(1.0, 1.0, 1.0)):
             yield "/".join(path), value, other
 
 
-SEEDS = [seed if seed < 8 else slow(seed) for seed in range(100)]
+SEEDS = [
+    seed if seed < 8 or seed == 34 else slow(seed) for seed in range(100)
+]  # 34: pressed by nothing known
 
 
 @pytest.mark.parametrize("seed", SEEDS)

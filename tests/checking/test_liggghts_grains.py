@@ -662,6 +662,8 @@ def test_meshes_that_hold_nothing(seed):
     hollow = around * corner  # a corner of a cube, lowest
     assert not sheds([(0, 0), (1, 0), (2, 0)], hollow)
     assert sheds([(0, 1), (1, 1), (2, 1)], hollow)  # and highest
+    high = np.concatenate([turned_box(SIDES, around), turned_box([(0, 0), (1, 0), (2, 0)], hollow) + 5.0])
+    assert not meshes.sheds(high, down, 15.0) and meshes.sheds(high, down, 15.0, top=4.9)
     floor = turned_box([(2, 0)], around) + 5.0  # of another part
     both = np.concatenate([turned_box(SIDES, around), floor])
     assert not meshes.sheds(both, down, 15.0) and meshes.sheds(both, down, 15.0, top=4.9)

@@ -170,7 +170,7 @@ TURNED: Final = {3: (8.0, 1.23), 2: (12.0, 0.0)}
 UNEQUAL_SHARE: Final = 0.86
 #: Mean overlap at the floor between side walls over that of a wide bed, less one, times the width over the diameter, at
 #: most: packings are looser at walls, and their stresses more alike. In 18 boxes in LAMMPS, 4 to 14 diameters wide
-#: (μ = 0.5, ε = 0.5), it was 2.4 or less. The second is beside a packing that was counted.
+#: (μ = 0.5, ε = 0.5), it was 2.4 or less. The second is where the contacts that carry the pressure were counted.
 BESIDE_WALLS, BESIDE_WALLS_COUNTED = 2.4, 1.0
 #: Standard deviations by which the springs to the neighbours of the fastest grains exceed the mean.
 SPREAD: Final = 1.3
@@ -843,7 +843,7 @@ def _held_together(moving: Sequence[Case], load: Load, time_step: float | None, 
     if rough and dimension == 3 and len({kind.radius for kind in load.kinds}) > 1:
         bed = bed._replace(stress_share=UNEQUAL_SHARE)
     if rough and load.bound and load.walled_floor and diameter:
-        excess = BESIDE_WALLS_COUNTED if bed.counted else BESIDE_WALLS
+        excess = BESIDE_WALLS_COUNTED if bed.rigid is None else BESIDE_WALLS
         width = load.walled_floor ** (1.0 / (dimension - 1))
         bed = bed._replace(stress_share=bed.stress_share * (1.0 + excess * diameter / width))
     packing = bed if load.weight else bed._replace(stress_share=1.0)
